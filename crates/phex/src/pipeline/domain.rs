@@ -5,12 +5,12 @@ use super::sized::{KnownCurvature, mean_length};
 use crate::layout::lattice::eisenstein::CELL;
 use crate::quality::USUAL_DEVIATION;
 use crate::smooth_surface::extend::{self, Extension};
-use crate::smooth_surface::teeth::{LARGEST_TOOTH, without_teeth};
+use crate::smooth_surface::teeth::{Calmed, LARGEST_TOOTH, without_teeth};
 use crate::smooth_surface::{
     self, Coarsened, CutShort, Normalised, SmoothTarget, TargetKind, boundary_corners,
 };
 use crate::trim::{self, Boundary, Domain, TrimError, Trimmed};
-use phex_mesh::{HexMesh, PerVertex, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{HexMesh, PerVertex, TriangleSurface, Vec3};
 use std::sync::Arc;
 
 /// Width of the strip beyond the boundary for whole panels, in panel lengths: two rows, so that
@@ -34,12 +34,10 @@ pub(crate) struct Ground {
     /// The surface as it was given, normalised; and the same, perhaps extended.
     given: TriangleSurface,
     facets: TriangleSurface,
-    /// What panels are compared with where they are laid out on fewer vertices.
-    finer: Option<Finer>,
-    /// How the level of the fewest vertices came from the input, where it is not the input's own.
-    source: Option<Arc<VertexCarry>>,
-    /// How far teeth of its boundary stand out of what panels are laid out on, where it has some.
-    pub calmed: Option<f64>,
+    /// What panels are kept close to where they are laid out on fewer vertices.
+    finer: Option<TriangleSurface>,
+    /// How the level of the fewest vertices came from the input.
+    source: Arc<Reduced>,
     trimming: Option<Arc<Trimming>>,
     /// Panels on the surface.
     pub asked: usize,
@@ -83,35 +81,47 @@ impl Beyond {
     }
 }
 
-/// An input that is finer than panels need, without its teeth; and the same, perhaps extended.
-#[derive(Clone)]
-struct Finer {
-    reported: TriangleSurface,
-    close: TriangleSurface,
-}
-
-/// How the vertices that panels are laid out on came from those of the input.
-struct VertexCarry {
-    /// The vertices that are left without teeth of the boundary.
-    calm: Option<PerVertex<VertexId>>,
-    /// The surface whose long triangles were cut short.
+/// An input on its way to the vertices that panels are laid out on.
+struct Reduced {
+    /// The input without the teeth of its boundary.
+    calm: Option<Calmed>,
+    /// That with long triangles cut short.
     cut: Option<CutShort>,
-    /// The vertices that are left of these.
-    coarse: Option<PerVertex<VertexId>>,
+    /// That with fewer vertices.
+    coarse: Option<Coarsened>,
 }
 
-impl VertexCarry {
+impl Reduced {
+    fn of(input: &TriangleSurface, panels: usize, options: &MeshOptions) -> Self {
+        let most = LARGEST_TOOTH * options.optimise.max_deviation.unwrap_or(USUAL_DEVIATION);
+        // Methods by planes name vertices of the input: they get all of them.
+        let is_laid_out = options.method.lays_out();
+        let calm = is_laid_out.then(|| without_teeth(input, most)).flatten();
+        let near = calm.as_ref().map_or(input, |c| &c.part.surface);
+        let cut = without_long_triangles(near, panels, options);
+        let near = cut.as_ref().map_or(near, |c| &c.surface);
+        let coarse = with_fewer_vertices(near, cut.is_some(), panels, options);
+        Self { calm, cut, coarse }
+    }
+
+    /// The last surface that has all the vertices of the input but teeth.
+    fn near<'a>(&'a self, input: &'a TriangleSurface) -> &'a TriangleSurface {
+        let calm = self.calm.as_ref().map(|c| &c.part.surface);
+        let cut = self.cut.as_ref().map(|c| &c.surface);
+        cut.or(calm).unwrap_or(input)
+    }
+
     /// Values at the vertices that panels are laid out on, from those at the input's.
     fn carried(&self, values: &[f64]) -> Vec<f64> {
         let mut values = PerVertex::from_vec(values.to_vec());
         if let Some(calm) = &self.calm {
-            values = calm.map(|v| values[*v]);
+            values = calm.part.source.map(|v| values[*v]);
         }
         if let Some(cut) = &self.cut {
             values = cut.carried(values);
         }
         if let Some(coarse) = &self.coarse {
-            values = coarse.map(|v| values[*v]);
+            values = coarse.source.map(|v| values[*v]);
         }
         values.into_vec()
     }
@@ -136,54 +146,39 @@ impl Ground {
 
     /// The same with a strip of another width beyond the boundary, 0 for none.
     pub(crate) fn with_strip(
-        facets: &TriangleSurface,
+        given: &TriangleSurface,
         panels: usize,
         options: &MeshOptions,
         width: f64,
     ) -> Self {
-        let given = facets;
-        let most = LARGEST_TOOTH * options.optimise.max_deviation.unwrap_or(USUAL_DEVIATION);
-        // Methods by planes name vertices of the input: they get all of them.
-        let calm = options
-            .method
-            .lays_out()
-            .then(|| without_teeth(given, most))
-            .flatten();
-        let (calm, moved) = calm.map(|c| (c.part, c.moved)).unzip();
-        let near = calm.as_ref().map_or(given, |c| &c.surface);
-        let cut = without_long_triangles(near, panels, options);
-        let near = cut.as_ref().map_or(near, |c| &c.surface);
-        let coarse = with_fewer_vertices(near, cut.is_some(), panels, options);
-        let facets = coarse.as_ref().map_or(near, |c| &c.surface);
-
+        let source = Reduced::of(given, panels, options);
+        let near = source.near(given);
+        let facets = source.coarse.as_ref().map_or(near, |c| &c.surface);
+        let is_coarse = source.coarse.is_some();
         let smooth = |surface: &TriangleSurface, panels: usize| {
             let needed = options.cell_vertices(panels) as usize;
             // One step brings a surface with fewer vertices there, but for a few at its boundary.
-            let next = (coarse.as_ref()).map(|_| surface.positions().len() + 1);
-            let vertices = next.map_or(needed, |next| next.min(needed));
+            let vertices = match is_coarse {
+                true => needed.min(surface.positions().len() + 1),
+                false => needed,
+            };
             smooth_surface::smooth_target(surface, vertices, &options.target)
         };
         let length = mean_length(given, panels);
         let extended = |s: &TriangleSurface| extend::extend(s, width, WHOLE_STRIP * length);
         let with_strip = |s: &TriangleSurface| extended(s).map_or_else(|| s.clone(), |e| e.surface);
-        let finer = (coarse.as_ref()).map(|_| Finer {
-            reported: near.clone(),
-            close: with_strip(near),
-        });
         let extension = extended(facets);
-        let share = (extension.as_ref()).map_or(1.0, |e| e.surface.area() / facets.area());
-        let panels_in_all = (share * panels as f64).round() as usize;
         let all = extension.as_ref().map_or(facets, |e| &e.surface);
-        let is_given = calm.is_none() && coarse.is_none();
+        let share = all.area() / facets.area();
+        let panels_in_all = (share * panels as f64).round() as usize;
         Self {
             smooth: Arc::new(smooth(all, panels_in_all)),
             given: given.clone(),
-            facets: match is_given {
-                true => all.clone(),
-                false => with_strip(given),
+            facets: match is_coarse || source.calm.is_some() {
+                true => with_strip(given),
+                false => all.clone(),
             },
-            finer,
-            calmed: moved,
+            finer: is_coarse.then(|| with_strip(near)),
             asked: panels,
             panels: panels_in_all,
             known: KnownCurvature::default(),
@@ -194,15 +189,14 @@ impl Ground {
                     extension,
                 })
             }),
-            source: (!is_given).then(|| {
-                Arc::new(VertexCarry {
-                    calm: calm.map(|c| c.source),
-                    coarse: coarse.map(|c| c.source),
-                    cut,
-                })
-            }),
+            source: Arc::new(source),
         }
         .with_options(options)
+    }
+
+    /// How far teeth of its boundary stand out of what panels are laid out on, where it has some.
+    pub(crate) fn calmed(&self) -> Option<f64> {
+        self.source.calm.as_ref().map(|calm| calm.moved)
     }
 
     /// Whether panels are laid out on more than the surface; triangles of its levels are then known
@@ -228,8 +222,8 @@ impl Ground {
     /// The same with other options, of which none changes the ground.
     pub(super) fn with_options(&self, options: &MeshOptions) -> Self {
         let mut options = options.clone();
-        if let (Some(values), Some(source)) = (&mut options.size_field, &self.source) {
-            *values = source.carried(values);
+        if let Some(values) = &mut options.size_field {
+            *values = self.source.carried(values);
         }
         if let (Some(values), Some(trimming)) = (&mut options.size_field, &self.trimming) {
             let origin = trimming.extension.origin.iter().skip(values.len());
@@ -257,7 +251,7 @@ impl Ground {
     pub fn close_to<'a>(&'a self, fine: &'a TriangleSurface) -> &'a TriangleSurface {
         match (self.options.target.kind, &self.finer) {
             (TargetKind::Facets, _) => &self.facets,
-            (_, Some(finer)) => &finer.close,
+            (_, Some(finer)) => finer,
             _ => fine,
         }
     }
@@ -266,7 +260,7 @@ impl Ground {
     pub fn reported<'a>(&'a self, fine: &'a TriangleSurface) -> &'a TriangleSurface {
         match (self.options.target.kind, &self.finer, &self.trimming) {
             (TargetKind::Facets, _, _) => &self.given,
-            (_, Some(finer), _) => &finer.reported,
+            (_, Some(_), _) => self.source.near(&self.given),
             (_, _, Some(trimming)) => trimming.smooth.finest(),
             _ => fine,
         }

@@ -155,7 +155,7 @@ impl Session {
                 }
                 let ground = clock.stage("target", || self.ground((surface, panels), &options))?;
                 let unused = clock.stage("symmetry", || symmetric::unused(&ground))?;
-                let notes = ground.calmed.map(teeth_note).into_iter().chain(unused);
+                let notes = ground.calmed().map(teeth_note).into_iter().chain(unused);
                 notes.for_each(|message| progress.report(&Event::Note { message }));
                 portfolio::mesh_with_panels(&ground, &options, clock)
             }
