@@ -32,14 +32,14 @@ pub(super) fn mesh_with_panels(
     model: &Normalised,
     panels: usize,
     options: &MeshOptions,
-    mut clock: Clock<'_>,
+    clock: &mut Clock<'_>,
 ) -> Result<MeshRun, PipelineError> {
     let ground = clock.stage("target", || match options.method {
         Method::DualSubdivision => subdivision::ground(&model.surface, panels, options),
         Method::Koebe => koebe::ground(&model.surface, panels, options),
         _ => Ground::new(&model.surface, panels, options),
     })?;
-    let made = make(&ground, &mut clock)?;
+    let made = make(&ground, clock)?;
     let mut classical = made.classical;
     let mesh = match &made.fine {
         Some(fine) => {
@@ -64,7 +64,6 @@ pub(super) fn mesh_with_panels(
         .for_each(|o| statistics.add(o.run));
     Ok(MeshRun {
         beyond,
-        stages: clock.stages,
         ..MeshRun::new(mesh, made.reported, made.outcome, statistics)
     })
 }

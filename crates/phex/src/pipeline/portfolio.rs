@@ -60,18 +60,18 @@ struct Task<'a> {
 pub(super) fn mesh_with_panels(
     ground: &Ground,
     options: &MeshOptions,
-    mut clock: Clock<'_>,
+    clock: &mut Clock<'_>,
 ) -> Result<MeshRun, PipelineError> {
     let progress = clock.progress;
     let task = Task { options, ground };
-    let (mut found, mut tried) = task.best(&mut clock)?;
+    let (mut found, mut tried) = task.best(clock)?;
     let misses = is_tight(options) && !found.merit.is_within();
     if misses && task.searches() && !progress.is_cancelled() {
         let options = &with_usual_deviation(options);
         let ground = &ground.again(options);
         let usual = Task { options, ground };
-        if let Ok((other, others)) = usual.best(&mut clock) {
-            let mut other = task.searched(other, &mut clock);
+        if let Ok((other, others)) = usual.best(clock) {
+            let mut other = task.searched(other, clock);
             other.number += tried.len();
             tried.extend(others.into_iter().map(AttemptSummary::for_usual_deviation));
             if is_nearer(&other.merit, &found.merit) {
@@ -83,7 +83,6 @@ pub(super) fn mesh_with_panels(
     tried[found.number].kept = true;
     let mut run = task.run(found);
     run.statistics.tried = tried;
-    run.stages = clock.stages;
     Ok(run)
 }
 

@@ -19,16 +19,15 @@ pub(super) fn repeated(
     mut run: MeshRun,
     facets: &TriangleSurface,
     options: &MeshOptions,
-    progress: &dyn Progress,
+    clock: &mut Clock<'_>,
 ) -> Result<MeshRun, PipelineError> {
+    let progress = clock.progress;
     let Some(tolerance_rel) = options.repeat_rel else {
         return Ok(run);
     };
     if run.unrepeated.is_some() || progress.is_cancelled() {
         return Ok(run);
     }
-    let mut clock = Clock::new(progress);
-    clock.stages = std::mem::take(&mut run.stages);
     let beyond = run.beyond.as_ref().map(Beyond::surfaces);
     let elsewhere = led_elsewhere(&options.steering, &run.mesh);
     let references = References {
@@ -58,7 +57,6 @@ pub(super) fn repeated(
     };
     let mesh = clock.timed("repetition", || made_equal(&task, &run.mesh, progress))?;
     run.unrepeated = Some(std::mem::replace(&mut run.mesh, mesh));
-    run.stages = clock.stages;
     Ok(run)
 }
 

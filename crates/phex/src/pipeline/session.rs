@@ -1,7 +1,7 @@
 //! A surface kept between runs: what a change of options does not touch is not computed again.
 
 use super::domain::Ground;
-use super::options::{MeshOptions, Method};
+use super::options::MeshOptions;
 use super::preview::{LatticePreview, lay_out};
 use super::symmetric;
 use super::watched::InModel;
@@ -145,28 +145,40 @@ impl Session {
         };
         let surface = &model.surface;
         let mut clock = Clock::new(progress);
-        let made = match options.method {
-            Method::Lattice | Method::BrickWall => {
-                if options.symmetry != Symmetry::None {
-                    let made = symmetric::mesh_with_panels((surface, panels), &options, &mut clock);
-                    if let Some(run) = made.map_err(|error| error.in_model(model))? {
-                        return Ok(run.restored(model, &given.steering));
-                    }
-                }
-                let ground = clock.stage("target", || self.ground((surface, panels), &options))?;
-                let unused = clock.stage("symmetry", || symmetric::unused(&ground))?;
-                let notes = ground.calmed().map(teeth_note).into_iter().chain(unused);
-                notes.for_each(|message| progress.report(&Event::Note { message }));
-                portfolio::mesh_with_panels(&ground, &options, clock)
-            }
-            _ => classical::mesh_with_panels(model, panels, &options, clock),
-        };
-        let held = made.and_then(|run| steered::steered(run, &options, progress));
-        let equal = held.and_then(|run| repeated::repeated(run, surface, &options, progress));
-        match equal {
-            Ok(run) => Ok(run.restored(model, &given.steering)),
-            Err(error) => Err(error.in_model(model)),
+        let made = self.panelled(model, panels, &options, &mut clock);
+        let held = made.and_then(|run| steered::steered(run, &options, &mut clock));
+        let equal = held.and_then(|run| repeated::repeated(run, surface, &options, &mut clock));
+        let run = equal.map_err(|error| error.in_model(model))?;
+        Ok(MeshRun {
+            stages: clock.stages,
+            ..run.restored(model, &given.steering)
+        })
+    }
+
+    /// Panels by the method of the options, normalised.
+    fn panelled(
+        &self,
+        model: &Normalised,
+        panels: usize,
+        options: &MeshOptions,
+        clock: &mut Clock<'_>,
+    ) -> Result<MeshRun, PipelineError> {
+        if !options.method.lays_out() {
+            return classical::mesh_with_panels(model, panels, options, clock);
         }
+        if options.symmetry != Symmetry::None {
+            let made = symmetric::mesh_with_panels(&model.surface, panels, options, clock)?;
+            if let Some(run) = made {
+                // What other attempts took is not told.
+                clock.stages.clone_from(&run.stages);
+                return Ok(run);
+            }
+        }
+        let ground = clock.stage("target", || self.ground((&model.surface, panels), options))?;
+        let unused = clock.stage("symmetry", || symmetric::unused(&ground))?;
+        let notes = ground.calmed().map(teeth_note).into_iter().chain(unused);
+        notes.for_each(|message| clock.progress.report(&Event::Note { message }));
+        portfolio::mesh_with_panels(&ground, options, clock)
     }
 
     /// The surface in the coordinates that these options work in.

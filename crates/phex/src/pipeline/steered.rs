@@ -7,26 +7,27 @@
 
 use super::{Clock, MeshOptions, MeshRun, PipelineError, Statistics};
 use super::{normalise, repeated, rim};
-use crate::optimise::{self, Optimised, SurfaceTarget};
+use crate::optimise::{self, SurfaceTarget};
 use crate::progress::Progress;
 use crate::smooth_surface::{self, Normalised, TargetKind};
 use phex_mesh::{HexMesh, TriangleSurface, VertexId};
 
 /// Holds the vertices that the options say, in a finished run.
 pub(super) fn steered(
-    run: MeshRun,
+    mut run: MeshRun,
     options: &MeshOptions,
-    progress: &dyn Progress,
+    clock: &mut Clock<'_>,
 ) -> Result<MeshRun, PipelineError> {
+    let progress = clock.progress;
     if options.steering.is_empty() || progress.is_cancelled() {
         return Ok(run);
     }
-    let mut clock = Clock::new(progress);
-    clock.stages = run.stages.clone();
     let held = clock.timed("optimise", || {
         rim::steered(&run.mesh, &run.target, options, progress)
     })?;
-    Ok(with_result(run, held, clock))
+    run.statistics.add(held.run);
+    (run.mesh, run.outcome) = (held.mesh, held.outcome);
+    Ok(run)
 }
 
 /// Brings an earlier panelling, in model coordinates, to the smooth surface through the vertices of
@@ -65,25 +66,23 @@ pub fn refit_surface(
         let (steering, settings) = (&normalised.steering, &normalised.optimise);
         optimise::refit(&start, close, steering, settings, progress)
     })??;
-    let (outcome, statistics) = (refitted.outcome.clone(), Statistics::of(&smooth, panels));
+    let mut statistics = Statistics::of(&smooth, panels);
+    statistics.add(refitted.run);
     let run = MeshRun {
         start: Some(start.to_soup()),
-        ..MeshRun::new(start, close_to.clone(), outcome, statistics)
+        ..MeshRun::new(
+            refitted.mesh,
+            close_to.clone(),
+            refitted.outcome,
+            statistics,
+        )
     };
-    let run = with_result(run, refitted, clock);
-    let run = repeated::repeated(run, &model.surface, &normalised, progress)?;
+    let run = repeated::repeated(run, &model.surface, &normalised, &mut clock)?;
     let mut run = run.restored(&model, &options.steering);
     for &v in &options.steering.fixed_vertices {
         let v = VertexId::new(v);
         run.mesh.positions[v] = earlier.positions[v];
     }
-    Ok(run)
-}
-
-fn with_result(mut run: MeshRun, result: Optimised, clock: Clock<'_>) -> MeshRun {
-    run.statistics.add(result.run);
-    run.mesh = result.mesh;
-    run.outcome = result.outcome;
     run.stages = clock.stages;
-    run
+    Ok(run)
 }

@@ -37,34 +37,42 @@ const OTHER_COUNTS: [f64; 4] = [1.04, 0.96, 1.08, 0.92];
 /// # Errors
 /// As [`mesh_surface`](super::mesh_surface).
 pub(super) fn mesh_with_panels(
-    (surface, panels): (&TriangleSurface, usize),
+    surface: &TriangleSurface,
+    panels: usize,
     options: &MeshOptions,
     clock: &mut Clock<'_>,
 ) -> Result<Option<MeshRun>, PipelineError> {
-    let progress = clock.progress;
-    let asked = options.symmetry;
-    // What is asked for by name is had or refused; what is only welcome is done without.
-    let without = |reason: String| match asked {
-        Symmetry::Auto => {
+    match symmetric(surface, panels, options, clock) {
+        Ok(run) => Ok(Some(run)),
+        Err(NotSymmetric::Pipeline(error)) => Err(error),
+        // What is asked for by name is had or refused; what is only welcome is done without.
+        Err(NotSymmetric::Symmetry(reason)) if options.symmetry == Symmetry::Auto => {
             let message = format!("panels are not symmetric: {reason}");
-            progress.report(&Event::Note { message });
+            clock.progress.report(&Event::Note { message });
             Ok(None)
         }
-        _ => Err(PipelineError::Symmetry { asked, reason }),
-    };
+        Err(NotSymmetric::Symmetry(reason)) => Err(PipelineError::Symmetry {
+            asked: options.symmetry,
+            reason,
+        }),
+    }
+}
+
+fn symmetric(
+    surface: &TriangleSurface,
+    panels: usize,
+    options: &MeshOptions,
+    clock: &mut Clock<'_>,
+) -> Result<MeshRun, NotSymmetric> {
+    let progress = clock.progress;
     if let Some(reason) = not_symmetric(options) {
-        return without(reason.to_owned());
+        return Err(reason.to_owned().into());
     }
     let smooth = clock.stage("target", || smooth_target(surface, panels, options))?;
     let whole = smooth.finest();
     let (found, turns) = clock.stage("symmetry", || symmetry::find(whole, SYMMETRY_TOLERANCE))?;
-    let Some(found) = found else {
-        return without(without_mirrors(turns));
-    };
-    let groups = match used(&found, whole, panels, asked) {
-        Ok(groups) => groups,
-        Err(reason) => return without(reason),
-    };
+    let found = found.ok_or_else(|| without_mirrors(turns))?;
+    let groups = used(&found, whole, panels, options.symmetry)?;
     let references = References {
         smooth: Some(whole),
         facets: Some(surface),
@@ -77,28 +85,25 @@ pub(super) fn mesh_with_panels(
         let run = domain.mesh(&found, whole, clock)?;
         Ok((judge.whole(&run.mesh, run.wished.as_slice()).merit, run))
     };
-    let made = best_of(&ways_of(&groups), tried, progress);
     let names = names_of(&groups);
-    // What is there is kept where there is no time for anything else.
-    let is_welcome = asked == Symmetry::Auto && !progress.is_cancelled();
-    match made {
-        Ok((merit, _)) if is_welcome && !merit.is_within() => without(format!(
-            "with the symmetry {names} panels are outside limits"
-        )),
-        Ok((_, mut run)) => {
-            run.statistics.target_vertices = Statistics::of(&smooth, panels).target_vertices;
-            run.statistics.panels_asked = panels;
-            if let Some(summary) = &run.statistics.symmetry {
-                let message = followed(summary, &groups);
-                progress.report(&Event::Note { message });
-            }
-            Ok(Some(run))
-        }
-        Err(NotSymmetric::Pipeline(error)) => Err(error),
+    let (merit, mut run) = match best_of(&ways_of(&groups), tried, progress) {
         Err(NotSymmetric::Symmetry(reason)) => {
-            without(format!("with the symmetry {names}: {reason}"))
+            return Err(format!("with the symmetry {names}: {reason}").into());
         }
+        made => made?,
+    };
+    // What is there is kept where there is no time for anything else.
+    let is_welcome = options.symmetry == Symmetry::Auto && !progress.is_cancelled();
+    if is_welcome && !merit.is_within() {
+        return Err(format!("with the symmetry {names} panels are outside limits").into());
     }
+    run.statistics.target_vertices = Statistics::of(&smooth, panels).target_vertices;
+    run.statistics.panels_asked = panels;
+    if let Some(summary) = &run.statistics.symmetry {
+        let message = followed(summary, &groups);
+        progress.report(&Event::Note { message });
+    }
+    Ok(run)
 }
 
 fn smooth_target(surface: &TriangleSurface, panels: usize, options: &MeshOptions) -> SmoothTarget {
@@ -228,6 +233,12 @@ enum NotSymmetric {
     Symmetry(String),
 }
 
+impl From<String> for NotSymmetric {
+    fn from(reason: String) -> Self {
+        Self::Symmetry(reason)
+    }
+}
+
 impl<E: Into<PipelineError>> From<E> for NotSymmetric {
     fn from(error: E) -> Self {
         match error.into() {
@@ -353,7 +364,7 @@ impl DomainPanels {
         options: &MeshOptions,
     ) -> Result<Self, NotSymmetric> {
         let inside = whole.mapped(|p| found.frame.inside(*p));
-        let part = symmetry::cut(&inside, &group.walls()).map_err(NotSymmetric::Symmetry)?;
+        let part = symmetry::cut(&inside, &group.walls())?;
         let scale = part.diagonal();
         let surface = part.mapped(|p| p / scale);
         // Panels in mirror planes are half there: two in three of them, about, are cut.
@@ -401,7 +412,7 @@ impl DomainPanels {
         let laid = LaidOut::new(&ground, candidate, clock)?;
         let ground = laid.ground(&ground);
         let layout = &laid.layout;
-        let parts = symmetry::completed(layout, self.group).map_err(NotSymmetric::Symmetry)?;
+        let parts = symmetry::completed(layout, self.group)?;
         let parts = parts.calmed(self.group);
         let target = FoldedTarget::new(ground.close_to(&laid.surface), self.group.walls());
         let progress = clock.progress;
@@ -422,7 +433,7 @@ impl DomainPanels {
             (ground, &laid),
             clock,
         )?;
-        let quotient = symmetry::quotient_of(&mesh, self.group).map_err(NotSymmetric::Symmetry)?;
+        let quotient = symmetry::quotient_of(&mesh, self.group)?;
         let mut statistics = Statistics {
             layout: laid.statistics,
             ..Statistics::default()
@@ -495,7 +506,7 @@ impl DomainPanels {
         tolerance: f64,
         clock: &mut Clock<'_>,
     ) -> Result<HexMesh, NotSymmetric> {
-        let quotient = symmetry::quotient_of(mesh, self.group).map_err(NotSymmetric::Symmetry)?;
+        let quotient = symmetry::quotient_of(mesh, self.group)?;
         let judge = self.whole_judge(around);
         let elements = self.group.elements();
         let merit = |mesh: &HexMesh| match symmetry::unfolded(&quotient, mesh, &elements) {
@@ -547,14 +558,13 @@ impl DomainPanels {
         clock: &mut Clock<'_>,
     ) -> Result<MeshRun, NotSymmetric> {
         let elements = self.group.elements();
-        let all = symmetry::unfolded(quotient, part, &elements)
-            .map_err(|e| NotSymmetric::Symmetry(e.to_string()))?;
+        let unfolded = |mesh: &HexMesh| {
+            symmetry::unfolded(quotient, mesh, &elements).map_err(|e| e.to_string())
+        };
+        let all = unfolded(part)?;
+        let before = before.map(unfolded).transpose()?;
         let frame = &found.frame;
         let outside = |mesh: &HexMesh| mesh.mapped(|p| frame.outside(p * self.scale));
-        let before = before.map(|mesh| symmetry::unfolded(quotient, mesh, &elements));
-        let before = before
-            .transpose()
-            .map_err(|e| NotSymmetric::Symmetry(e.to_string()))?;
         let operation = |e: &Matrix3<f64>| {
             let map = frame.axes.transpose() * e * frame.axes;
             Isometry::new(&map, frame.origin - map * frame.origin)
@@ -565,7 +575,7 @@ impl DomainPanels {
             panels: all.panels,
         };
         let mesh = outside(&all.mesh);
-        same_topology(whole.topology(), mesh.topology()).map_err(NotSymmetric::Symmetry)?;
+        same_topology(whole.topology(), mesh.topology())?;
         let distinct = part.topology().n_faces();
         let statistics = Statistics {
             symmetry: Some(SymmetrySummary {
