@@ -226,7 +226,7 @@ impl DomainError {
 }
 
 /// Signs of the Gauss curvature that occur on a surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CurvatureSign {
     /// `K > 0`, or flat.
@@ -234,6 +234,7 @@ pub enum CurvatureSign {
     /// `K < 0`, or flat.
     Hyperbolic,
     /// Both.
+    #[default]
     Mixed,
 }
 

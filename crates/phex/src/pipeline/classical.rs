@@ -20,7 +20,7 @@ use super::{ClassicalStatistics, Clock, MeshOptions, MeshRun, Method, PipelineEr
 use crate::classical::domain::DomainError;
 use crate::directions::guides::Cone;
 use crate::layout::{LayoutError, LayoutStatistics};
-use crate::optimise::Optimised;
+use crate::optimise::RunSummary;
 use crate::smooth_surface::Normalised;
 use joined::{cells, fitted_planes, joined, met, on_gauss_sphere};
 use phex_mesh::{HexMesh, TriangleSurface};
@@ -59,9 +59,7 @@ pub(super) fn mesh_with_panels(
         classical: Some(classical),
         ..Statistics::of(&ground.smooth, panels)
     };
-    made.optimised
-        .into_iter()
-        .for_each(|o| statistics.add(o.run));
+    made.run.into_iter().for_each(|run| statistics.add(run));
     Ok(MeshRun {
         beyond,
         ..MeshRun::new(mesh, made.reported, made.outcome, statistics)
@@ -79,11 +77,26 @@ struct ClassicalMesh {
     layout: LayoutStatistics,
     /// The cones of the lattice, where there is one.
     cones: Vec<Cone>,
-    optimised: Option<Optimised>,
+    /// How the optimiser went, where there was need of one.
+    run: Option<RunSummary>,
     classical: ClassicalStatistics,
 }
 
 impl ClassicalMesh {
+    /// Panels that come from no lattice.
+    fn new(mesh: HexMesh, reported: TriangleSurface, classical: ClassicalStatistics) -> Self {
+        Self {
+            mesh,
+            reported,
+            fine: None,
+            outcome: Outcome::empty(Status::Converged),
+            layout: LayoutStatistics::default(),
+            cones: Vec::new(),
+            run: None,
+            classical,
+        }
+    }
+
     /// Panels from the cells of a lattice, which are planar as they are.
     fn of(
         ground: &Ground,
@@ -92,15 +105,12 @@ impl ClassicalMesh {
         (field, layout): (&Field, LayoutStatistics),
         classical: ClassicalStatistics,
     ) -> Self {
+        let reported = ground.reported(&fine.surface).clone();
         Self {
-            mesh,
-            reported: ground.reported(&fine.surface).clone(),
             fine: Some(fine.surface),
-            outcome: Outcome::empty(Status::Converged),
             layout,
             cones: field.cones(&ground.smooth),
-            optimised: None,
-            classical,
+            ..Self::new(mesh, reported, classical)
         }
     }
 }

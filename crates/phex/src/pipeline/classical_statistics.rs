@@ -10,7 +10,7 @@ use phex_mesh::{ElementId, FaceId, FlatFace, HexMesh, PerFace, polygon::is_simpl
 use serde::Serialize;
 
 /// What a method by planes and poles met with.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ClassicalStatistics {
     /// The method.
     pub method: Method,

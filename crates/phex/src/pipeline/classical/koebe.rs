@@ -72,18 +72,15 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMe
     classical.reversed_edges = Some(fitted.reversed_edges.len());
     let (mean, spread) = (fitted.mean_curvature, fitted.mean_curvature_spread);
     classical.mean_curvature_rel = Some([mean, mean.abs() * spread.hypot(1.0)]);
-    let outcome = Outcome::empty(fitted.status);
     let mesh = oriented(fitted.mesh, classical.curvature);
     let mesh = classical.with_sound_rim(mesh, &fitted_planes(&image.mesh));
+    let reported = ground.reported(&made.surface).clone();
     Ok(ClassicalMesh {
-        reported: ground.reported(&made.surface).clone(),
-        mesh,
         fine: Some(made.surface),
         layout: made.layout,
         cones: made.cones,
-        outcome,
-        optimised: None,
-        classical,
+        outcome: Outcome::empty(fitted.status),
+        ..ClassicalMesh::new(mesh, reported, classical)
     })
 }
 

@@ -73,26 +73,22 @@ pub(super) fn tangent_planes(
         },
     ) = cells(ground, &field, clock)?;
     classical.foresee(&layout);
-    let (mesh, optimised) = if options.dual.regularisation > 0.0 {
+    let (mesh, fitted) = if options.dual.regularisation > 0.0 {
         layout.mesh = regularised(&layout, options.dual.regularisation);
         let target = SurfaceTarget::new(ground.close_to(&fine.surface));
         let progress = clock.progress;
         let optimised = clock.timed("optimise", || {
             optimise::optimise(&layout, &target, &kinked(&options.optimise), progress)
         })?;
-        (optimised.mesh.clone(), Some(optimised))
+        (optimised.mesh, Some((optimised.outcome, optimised.run)))
     } else {
         (met(&layout, &mut classical)?, None)
     };
-    let made = ClassicalMesh::of(ground, mesh, fine, (&field, placed.statistics), classical);
-    Ok(match optimised {
-        Some(optimised) => ClassicalMesh {
-            outcome: optimised.outcome.clone(),
-            optimised: Some(optimised),
-            ..made
-        },
-        None => made,
-    })
+    let mut made = ClassicalMesh::of(ground, mesh, fine, (&field, placed.statistics), classical);
+    if let Some((outcome, run)) = fitted {
+        (made.outcome, made.run) = (outcome, Some(run));
+    }
+    Ok(made)
 }
 
 /// The panels of a lattice, joined as their tangent planes want it, in these planes.

@@ -2,12 +2,11 @@
 
 use super::ClassicalMesh;
 use crate::classical::power_diagram::{fit_ellipsoid, goldberg, nearest_goldberg};
-use crate::layout::{LayoutError, LayoutStatistics};
+use crate::layout::LayoutError;
 use crate::pipeline::domain::Ground;
 use crate::pipeline::{Clock, Method, PipelineError};
 use crate::trim;
 use phex_mesh::{FaceId, HexMesh, PerFace, TriangleSurface};
-use phex_numeric::{Outcome, Status};
 
 /// A panel of the polyhedron belongs to a patch if its touching point is nearer to it than this
 /// share of a panel's length.
@@ -34,16 +33,8 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMe
     })?;
     let (class, mesh) = made?;
     classical.goldberg = Some(class);
-    Ok(ClassicalMesh {
-        mesh,
-        reported: ground.reported(ground.smooth.finest()).clone(),
-        fine: None,
-        layout: LayoutStatistics::default(),
-        cones: Vec::new(),
-        outcome: Outcome::empty(Status::Converged),
-        optimised: None,
-        classical,
-    })
+    let reported = ground.reported(ground.smooth.finest()).clone();
+    Ok(ClassicalMesh::new(mesh, reported, classical))
 }
 
 /// The panels of a polyhedron that lie over a patch.

@@ -95,22 +95,7 @@ impl<'a> CurvedGround<'a> {
         ClassicalStatistics {
             method,
             curvature: self.sign(),
-            outside_domain: None,
-            outside: None,
-            centre: None,
-            clearness: None,
-            defects: None,
-            flips: None,
-            taken_out: 0,
-            goldberg: None,
-            edges_at_bound: None,
-            reversed_edges: None,
-            mean_curvature_rel: None,
-            forecast: None,
-            forecast_taken_out: None,
-            forecast_came_true: None,
-            foreseen: Vec::new(),
-            in_doubt: None,
+            ..ClassicalStatistics::default()
         }
     }
 
