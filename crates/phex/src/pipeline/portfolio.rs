@@ -74,7 +74,7 @@ pub(super) fn mesh_with_panels(
             let mut other = task.searched(other, clock);
             other.number += tried.len();
             tried.extend(others.into_iter().map(AttemptSummary::for_usual_deviation));
-            if is_nearer(&other.merit, &found.merit) {
+            if other.merit.is_nearer(&found.merit) {
                 found = other;
             }
         }
@@ -91,15 +91,6 @@ fn with_usual_deviation(options: &MeshOptions) -> MeshOptions {
     let mut usual = options.clone();
     usual.optimise.max_deviation = Some(without_unit(USUAL_DEVIATION));
     usual
-}
-
-/// Whether the first of two meshes is the better one, where the second has missed a tight limit: of
-/// two that miss it the nearer one is.
-fn is_nearer(first: &Merit, second: &Merit) -> bool {
-    match first.invalid == second.invalid && first.off.max(second.off) > 1.0 {
-        true => first.off < second.off,
-        false => first.is_better(second),
-    }
 }
 
 impl Task<'_> {

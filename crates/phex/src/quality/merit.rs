@@ -65,6 +65,12 @@ impl Merit {
         [self.invalid, self.outside, self.cost]
     }
 
+    /// The first parts that differ by more than a share of the larger one.
+    fn first_difference(&self, other: &Self, share: f64) -> Option<(f64, f64)> {
+        let mut pairs = self.parts().into_iter().zip(other.parts());
+        pairs.find(|(a, b)| (a - b).abs() > share * a.max(*b))
+    }
+
     /// Whether nothing is invalid or outside a limit.
     pub fn is_within(&self) -> bool {
         self.invalid == 0.0 && self.outside == 0.0
@@ -72,9 +78,7 @@ impl Merit {
 
     /// The order; amounts that differ by chance are the same.
     pub fn compare(&self, other: &Self) -> Ordering {
-        let differing = |(a, b): &(f64, f64)| (a - b).abs() > GAIN * a.max(*b);
-        let pairs = self.parts().into_iter().zip(other.parts());
-        let first = pairs.into_iter().find(differing);
+        let first = self.first_difference(other, GAIN);
         first.map_or(Ordering::Equal, |(a, b)| a.total_cmp(&b))
     }
 
@@ -93,12 +97,8 @@ impl Merit {
         if farther && self.invalid >= other.invalid {
             return false;
         }
-        let pairs = self.parts().into_iter().zip(other.parts());
-        let differing = |(a, b): &(f64, f64)| (a - b).abs() > ROUNDING * a.max(*b);
-        pairs
-            .into_iter()
-            .find(differing)
-            .is_some_and(|(a, b)| a < b)
+        let first = self.first_difference(other, ROUNDING);
+        first.is_some_and(|(a, b)| a < b)
     }
 
     /// Whether no more is invalid or outside limits than of another one, up to rounding, whatever
@@ -120,6 +120,15 @@ impl Merit {
     /// Whether it is better by more than chance.
     pub fn is_better(&self, other: &Self) -> bool {
         self.compare(other) == Ordering::Less
+    }
+
+    /// The same where the other one has missed a tight limit: of two that miss it the nearer one is
+    /// better.
+    pub(crate) fn is_nearer(&self, other: &Self) -> bool {
+        match self.invalid == other.invalid && self.off.max(other.off) > 1.0 {
+            true => self.off < other.off,
+            false => self.is_better(other),
+        }
     }
 }
 
