@@ -41,6 +41,7 @@ use crate::progress::Progress;
 use cells::complex::{CellComplex, Node, NotDiscs, disc_cells};
 use cells::voronoi::UNREACHED;
 use cells::{boundary_nodes, clusters, rim};
+use lattice::charted::ChartedSurface;
 use lattice::eisenstein::Charts;
 use lattice::seamless::Offsets;
 use lattice::{boundary, polish, strain, waves};
@@ -215,24 +216,20 @@ pub fn place_seeds(
     options: &LayoutOptions,
     progress: &dyn Progress,
 ) -> Result<Placed, LayoutError> {
-    let mesh = &directions.intrinsic;
-    let charts = Charts::new(topology, directions);
-    let pins = boundary::pins(topology, directions);
-    let mut position = waves::diffuse(topology, mesh, &charts, &pins, options.seed, progress);
-    unless_cancelled(progress)?;
-    polish::polish(
+    let charted = ChartedSurface {
         topology,
-        mesh,
-        &charts,
-        &pins,
-        &mut position,
-        options.sweeps,
-    );
+        mesh: &directions.intrinsic,
+        charts: &Charts::new(topology, directions),
+        pins: &boundary::pins(topology, directions),
+    };
+    let mut position = waves::diffuse(&charted, options.seed, progress);
     unless_cancelled(progress)?;
-    let rounded = Offsets::rounded(topology, &charts, position);
+    polish::polish(&charted, &mut position, options.sweeps);
+    unless_cancelled(progress)?;
+    let rounded = Offsets::rounded(&charted, position);
     let (offsets, annihilation, distortion_p95) =
-        strain::seamless_offsets(topology, mesh, &charts, &pins, rounded, options, progress)?;
-    let offsets = offsets.reduced(topology, &charts);
+        strain::seamless_offsets(&charted, rounded, options, progress)?;
+    let offsets = offsets.reduced(&charted);
     let statistics = LayoutStatistics {
         seed: options.seed,
         cones: directions.cone.iter().filter(|c| **c != 0).count(),
@@ -241,7 +238,7 @@ pub fn place_seeds(
         distortion_p95,
     };
     Ok(Placed {
-        seeds: clusters::seeds(topology, mesh, &charts, &offsets),
+        seeds: clusters::seeds(&charted, &offsets),
         statistics,
     })
 }

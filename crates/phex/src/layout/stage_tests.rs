@@ -6,6 +6,7 @@ use crate::directions::{DirectionOptions, Directions};
 use crate::layout::cells::clusters::seeds;
 use crate::layout::cells::voronoi::{PartCells, UNREACHED, grow};
 use crate::layout::lattice::boundary::{Pin, PinnedTo};
+use crate::layout::lattice::charted::ChartedSurface;
 use crate::layout::lattice::dislocations::annihilate;
 use crate::layout::lattice::eisenstein::{Charts, Eisenstein, Plane};
 use crate::layout::lattice::seamless::{OffsetSystem, Offsets};
@@ -24,6 +25,8 @@ use std::sync::OnceLock;
 struct FlatLattice {
     stages: Stages,
     charts: Charts,
+    /// No vertex is pinned to a row along a boundary.
+    free: PerVertex<Option<Pin>>,
 }
 
 const SPACINGS: f64 = 12.0;
@@ -38,7 +41,12 @@ impl FlatLattice {
         directions.cone = cones(topology, &directions.intrinsic, &angle, &directions.turn);
         directions.angle = angle;
         let charts = Charts::new(stages.topology(), &stages.directions);
-        Self { stages, charts }
+        let free = PerVertex::filled(stages.topology().n_vertices(), None);
+        Self {
+            stages,
+            charts,
+            free,
+        }
     }
 
     fn topology(&self) -> &Topology {
@@ -51,9 +59,13 @@ impl FlatLattice {
         Plane::new(p.x, p.y)
     }
 
-    /// No vertex is pinned to a row along a boundary.
-    fn free(&self) -> PerVertex<Option<crate::layout::lattice::boundary::Pin>> {
-        PerVertex::filled(self.topology().n_vertices(), None)
+    fn charted(&self) -> ChartedSurface<'_> {
+        ChartedSurface {
+            topology: self.topology(),
+            mesh: &self.stages.directions.intrinsic,
+            charts: &self.charts,
+            pins: &self.free,
+        }
     }
 
     /// Offsets of the lattice that has a point at `origin`.
@@ -122,15 +134,7 @@ fn polishing_keeps_an_exact_lattice() {
     let flat = flat();
     let exact = flat.exact(Plane::new(0.17, 0.31));
     let mut polished = exact.clone();
-    let mesh = &flat.stages.directions.intrinsic;
-    polish::polish(
-        flat.topology(),
-        mesh,
-        &flat.charts,
-        &flat.free(),
-        &mut polished,
-        50,
-    );
+    polish::polish(&flat.charted(), &mut polished, 50);
     for v in flat.topology().vertices() {
         assert!(apart(exact[v], polished[v]) < 2e-3, "{v}");
     }
@@ -144,21 +148,13 @@ fn polishing_mends_a_disturbed_lattice() {
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let mut shift = || random.random_range(-0.2..0.2);
     let mut position = exact.map(|z| z + Plane::new(shift(), shift()));
-    let mesh = &flat.stages.directions.intrinsic;
     let distortion = |z: &PerVertex<Plane>| {
-        let offsets = Offsets::rounded(flat.topology(), &flat.charts, z.clone());
-        let all = offsets.distortion(flat.topology(), mesh, &flat.charts);
+        let offsets = Offsets::rounded(&flat.charted(), z.clone());
+        let all = offsets.distortion(&flat.charted());
         all.iter().sum::<f64>() / all.len() as f64
     };
     let before = distortion(&position);
-    polish::polish(
-        flat.topology(),
-        mesh,
-        &flat.charts,
-        &flat.free(),
-        &mut position,
-        200,
-    );
+    polish::polish(&flat.charted(), &mut position, 200);
     let after = distortion(&position);
     assert!(after < 0.05 * before, "{before} {after}");
 }
@@ -167,19 +163,9 @@ fn polishing_mends_a_disturbed_lattice() {
 #[test]
 fn waves_find_the_lattice_of_a_flat_square() {
     let flat = flat();
-    let mesh = &flat.stages.directions.intrinsic;
-    let position = waves::diffuse(
-        flat.topology(),
-        mesh,
-        &flat.charts,
-        &flat.free(),
-        4,
-        &Silent,
-    );
-    let offsets = Offsets::rounded(flat.topology(), &flat.charts, position);
-    let mut distortion = offsets
-        .distortion(flat.topology(), mesh, &flat.charts)
-        .into_vec();
+    let position = waves::diffuse(&flat.charted(), 4, &Silent);
+    let offsets = Offsets::rounded(&flat.charted(), position);
+    let mut distortion = offsets.distortion(&flat.charted()).into_vec();
     distortion.sort_by(f64::total_cmp);
     let median = distortion[distortion.len() / 2];
     assert!(median < 0.15, "{median}");
@@ -190,13 +176,12 @@ fn waves_find_the_lattice_of_a_flat_square() {
 #[test]
 fn an_exact_lattice_gives_regular_hexagons() {
     let flat = flat();
-    let mesh = &flat.stages.directions.intrinsic;
     let position = flat.exact(Plane::new(0.0, 0.0));
-    let offsets = Offsets::rounded(flat.topology(), &flat.charts, position);
+    let offsets = Offsets::rounded(&flat.charted(), position);
     assert_eq!(flat.dislocations(&offsets.jump), 0);
     let layout = flat
         .stages
-        .panelling(&seeds(flat.topology(), mesh, &flat.charts, &offsets))
+        .panelling(&seeds(&flat.charted(), &offsets))
         .unwrap();
     let topology = layout.mesh.topology();
     let mut interior = 0;
@@ -221,25 +206,14 @@ fn an_exact_lattice_gives_regular_hexagons() {
 #[test]
 fn annihilation_leaves_no_dislocation() {
     let flat = flat();
-    let mesh = &flat.stages.directions.intrinsic;
-    let mut offsets = Offsets::rounded(
-        flat.topology(),
-        &flat.charts,
-        flat.exact(Plane::new(0.1, 0.0)),
-    );
+    let mut offsets = Offsets::rounded(&flat.charted(), flat.exact(Plane::new(0.1, 0.0)));
     let mut random = ChaCha8Rng::seed_from_u64(2);
     for _ in 0..30 {
         let e = phex_mesh::EdgeId::new(random.random_range(0..flat.topology().n_edges() as u32));
         offsets.jump[e] += Eisenstein { a: 1, b: 0 }.rotated(random.random_range(0..6));
     }
     let before = flat.dislocations(&offsets.jump);
-    let (done, _) = annihilate(
-        flat.topology(),
-        mesh,
-        &flat.charts,
-        &mut offsets.jump,
-        f64::INFINITY,
-    );
+    let (done, _) = annihilate(&flat.charted(), &mut offsets.jump, f64::INFINITY);
     assert!(
         before > 40 && done.dislocations == before && done.kept == 0,
         "{done:?}"
@@ -252,8 +226,8 @@ fn annihilation_leaves_no_dislocation() {
 #[test]
 fn annihilation_within_reach_conserves_the_burgers_vector() {
     let flat = flat();
-    let (topology, mesh) = (flat.topology(), &flat.stages.directions.intrinsic);
-    let exact = Offsets::rounded(topology, &flat.charts, flat.exact(Plane::new(0.1, 0.0)));
+    let topology = flat.topology();
+    let exact = Offsets::rounded(&flat.charted(), flat.exact(Plane::new(0.1, 0.0)));
     let mut jump = exact.jump.clone();
     let middle = |e: &phex_mesh::EdgeId| {
         topology
@@ -269,7 +243,7 @@ fn annihilation_within_reach_conserves_the_burgers_vector() {
         faces.fold(Eisenstein::ZERO, |sum, f| sum + flat.burgers(jump, f))
     };
     let before = (flat.dislocations(&jump), total(&jump));
-    let (done, _) = annihilate(topology, mesh, &flat.charts, &mut jump, 3.0);
+    let (done, _) = annihilate(&flat.charted(), &mut jump, 3.0);
     assert!(
         before.0 > 10 && done.moved > 0 && done.kept == 0,
         "{done:?}"
@@ -284,16 +258,11 @@ fn annihilation_within_reach_conserves_the_burgers_vector() {
 #[test]
 fn annihilation_keeps_to_its_length() {
     let flat = flat();
-    let mesh = &flat.stages.directions.intrinsic;
-    let mut offsets = Offsets::rounded(
-        flat.topology(),
-        &flat.charts,
-        flat.exact(Plane::new(0.1, 0.0)),
-    );
+    let mut offsets = Offsets::rounded(&flat.charted(), flat.exact(Plane::new(0.1, 0.0)));
     let e = phex_mesh::EdgeId::new(flat.topology().n_edges() as u32 / 2);
     offsets.jump[e] += Eisenstein { a: 0, b: 1 };
     let jump = offsets.jump.clone();
-    let (done, _) = annihilate(flat.topology(), mesh, &flat.charts, &mut offsets.jump, 0.0);
+    let (done, _) = annihilate(&flat.charted(), &mut offsets.jump, 0.0);
     assert_eq!((done.moved, done.kept), (0, 2));
     assert_eq!(jump, offsets.jump);
 }
@@ -302,14 +271,13 @@ fn annihilation_keeps_to_its_length() {
 #[test]
 fn the_solve_finds_the_lattice_of_exact_jumps() {
     let flat = flat();
-    let (topology, mesh) = (flat.topology(), &flat.stages.directions.intrinsic);
+    let topology = flat.topology();
     let exact = flat.exact(Plane::new(0.2, 0.1));
-    let jump = Offsets::rounded(topology, &flat.charts, exact.clone()).jump;
+    let jump = Offsets::rounded(&flat.charted(), exact.clone()).jump;
     let mut random = ChaCha8Rng::seed_from_u64(3);
     let mut shift = || random.random_range(-0.3..0.3);
     let start = exact.map(|z| z + Plane::new(shift(), shift()));
-    let free = flat.free();
-    let system = OffsetSystem::new(topology, mesh, &flat.charts, &free).unwrap();
+    let system = OffsetSystem::new(flat.charted()).unwrap();
     let solved = system.solve(&jump, &start);
     let translation = solved[VertexId::new(0)] - exact[VertexId::new(0)];
     for v in topology.vertices() {
@@ -322,19 +290,22 @@ fn the_solve_finds_the_lattice_of_exact_jumps() {
 #[test]
 fn the_real_form_agrees_with_the_complex_one() {
     let flat = flat();
-    let (topology, mesh) = (flat.topology(), &flat.stages.directions.intrinsic);
+    let topology = flat.topology();
     let start = flat.exact(Plane::new(0.2, 0.1));
-    let jump = Offsets::rounded(topology, &flat.charts, start.clone()).jump;
-    let free = flat.free();
-    let mut weightless = free.clone();
+    let jump = Offsets::rounded(&flat.charted(), start.clone()).jump;
+    let mut weightless = flat.free.clone();
     weightless[VertexId::new(3)] = Some(Pin {
         wave: 0,
         normal: Plane::new(0.6, 0.8),
         weight: 0.0,
         to: PinnedTo::HalfRow,
     });
-    let [complex, real] = [&free, &weightless].map(|pins| {
-        let system = OffsetSystem::new(topology, mesh, &flat.charts, pins).unwrap();
+    let [complex, real] = [&flat.free, &weightless].map(|pins| {
+        let charted = ChartedSurface {
+            pins,
+            ..flat.charted()
+        };
+        let system = OffsetSystem::new(charted).unwrap();
         system.solve(&jump, &start)
     });
     for v in topology.vertices() {

@@ -1,8 +1,8 @@
 //! Clusters of vertices that name the same lattice point, and a seed vertex for each.
 
 use super::voronoi::PartCells;
-use crate::directions::intrinsic::IntrinsicMesh;
-use crate::layout::lattice::eisenstein::{CELL, Charts};
+use crate::layout::lattice::charted::ChartedSurface;
+use crate::layout::lattice::eisenstein::CELL;
 use crate::layout::lattice::seamless::Offsets;
 use crate::layout::seeds::{CORE, Seed};
 use phex_mesh::{PerEdge, PerVertex, Topology, VertexId};
@@ -19,13 +19,9 @@ const SPLIT_AREA: f64 = 1.75;
 const SAME_POINT: f64 = 0.6;
 
 /// One seed per panel, in the order of their vertices.
-pub(crate) fn seeds(
-    topology: &Topology,
-    mesh: &IntrinsicMesh,
-    charts: &Charts,
-    offsets: &Offsets,
-) -> Vec<Seed> {
-    let same = offsets.same_point(topology, charts, SAME_POINT);
+pub(crate) fn seeds(charted: &ChartedSurface<'_>, offsets: &Offsets) -> Vec<Seed> {
+    let (topology, mesh) = (charted.topology, charted.mesh);
+    let same = offsets.same_point(charted, SAME_POINT);
     let label = clusters(topology, &same);
     let count = label.iter().map(|l| *l as usize + 1).max().unwrap_or(0);
     let mut area = vec![0.0; count];

@@ -6,8 +6,8 @@
 //! in memory.
 
 use super::boundary::{Pin, PinnedTo};
+use super::charted::ChartedSurface;
 use super::eisenstein::{Charts, Plane, Transition, rotate, waves};
-use crate::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{EdgeId, PerVertex, Topology, VertexId};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
 use std::collections::VecDeque;
@@ -183,13 +183,13 @@ impl GroupMember {
 
 impl ChartGraph {
     /// The vertices of a surface in the order of the combing.
-    pub fn new(
-        topology: &Topology,
-        mesh: &IntrinsicMesh,
-        charts: &Charts,
-        pins: &PerVertex<Option<Pin>>,
-        combing: &Combing,
-    ) -> Self {
+    pub fn new(charted: &ChartedSurface<'_>, combing: &Combing) -> Self {
+        let ChartedSurface {
+            topology,
+            mesh,
+            charts,
+            pins,
+        } = *charted;
         let mut views = Lists::new();
         for &v in &combing.order {
             for_each_view(topology, charts, v, |w, e, view| {
@@ -410,6 +410,7 @@ pub(super) mod tests {
     use super::*;
     use crate::curvature::curvature;
     use crate::directions::directions;
+    use crate::directions::intrinsic::IntrinsicMesh;
     use phex_mesh::TriangleSurface;
     use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 
@@ -431,9 +432,13 @@ pub(super) mod tests {
     pub(crate) fn graph_of(name: &str) -> ChartGraph {
         let (surface, mesh, charts) = charts_of(name);
         let topology = surface.topology();
-        let free = PerVertex::filled(topology.n_vertices(), None);
-        let combing = Combing::new(topology, &charts);
-        ChartGraph::new(topology, &mesh, &charts, &free, &combing)
+        let charted = ChartedSurface {
+            topology,
+            mesh: &mesh,
+            charts: &charts,
+            pins: &PerVertex::filled(topology.n_vertices(), None),
+        };
+        ChartGraph::new(&charted, &Combing::new(topology, &charts))
     }
 
     #[test]

@@ -6,9 +6,9 @@
 //! it: `1 - w` is a unit of `Z[w]`, so a cone of one sixth absorbs *any* translation, and no
 //! integer programming is needed.
 
-use super::eisenstein::{Charts, Eisenstein};
+use super::charted::ChartedSurface;
+use super::eisenstein::Eisenstein;
 use super::fronts::{Fronts, LatticeDefect, Slip};
-use crate::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{EdgeId, FaceId, PerEdge, PerFace, Topology};
 use serde::Serialize;
 
@@ -32,7 +32,8 @@ struct Circuit {
     entry: [(EdgeId, u8, bool); 3],
 }
 
-fn circuit(topology: &Topology, charts: &Charts, jump: &PerEdge<Eisenstein>, f: FaceId) -> Circuit {
+fn circuit(charted: &ChartedSurface<'_>, jump: &PerEdge<Eisenstein>, f: FaceId) -> Circuit {
+    let (topology, charts) = (charted.topology, charted.charts);
     let (mut turn, mut burgers) = (0u8, Eisenstein::ZERO);
     let mut entry = [(EdgeId::new(0), 0, false); 3];
     for (k, h) in topology.face_half_edges(f).enumerate() {
@@ -57,14 +58,13 @@ fn circuit(topology: &Topology, charts: &Charts, jump: &PerEdge<Eisenstein>, f: 
 
 /// Moves the Burgers vector of `f` across its edge `e`; returns the change of the edge's jump.
 fn push_across(
-    topology: &Topology,
-    charts: &Charts,
+    charted: &ChartedSurface<'_>,
     jump: &mut PerEdge<Eisenstein>,
     f: FaceId,
     e: EdgeId,
 ) -> Eisenstein {
     let before = jump[e];
-    let circuit = circuit(topology, charts, jump, f);
+    let circuit = circuit(charted, jump, f);
     for (edge, rotation, negative) in circuit.entry {
         if edge == e {
             let change = circuit.burgers.rotated((6 - rotation) % 6);
@@ -93,22 +93,19 @@ fn defect(c: &Circuit) -> LatticeDefect {
 /// are nearest to them, so that the closest pair of all would be the next anyway, one after the
 /// other.
 pub(crate) fn annihilate(
-    topology: &Topology,
-    mesh: &IntrinsicMesh,
-    charts: &Charts,
+    charted: &ChartedSurface<'_>,
     jump: &mut PerEdge<Eisenstein>,
     max_length: f64,
 ) -> (Annihilation, Vec<Slip>) {
+    let topology = charted.topology;
     let mut slips = Vec::new();
-    let mut state = PerFace::from_fn(topology.n_faces(), |f| {
-        defect(&circuit(topology, charts, jump, f))
-    });
+    let mut state = PerFace::from_fn(topology.n_faces(), |f| defect(&circuit(charted, jump, f)));
     let count = |state: &PerFace<LatticeDefect>| {
         let moving = |d: &&LatticeDefect| **d == LatticeDefect::Dislocation;
         state.iter().filter(moving).count()
     };
     let dislocations = count(&state);
-    let mut fronts = Fronts::new(topology, mesh);
+    let mut fronts = Fronts::new(topology, charted.mesh);
     // Each round ends at least one dislocation or merges two, so this is only a guard.
     for _ in 0..2 * dislocations + 2 {
         fronts.grow(&state);
@@ -118,10 +115,10 @@ pub(crate) fn annihilate(
         }
         let ways: Vec<Slip> = meetings.iter().map(|m| fronts.path(&state, m)).collect();
         for &(f, e) in ways.iter().flatten() {
-            push_across(topology, charts, jump, f, e);
+            push_across(charted, jump, f, e);
         }
         for g in ways.iter().flatten().flat_map(|way| beside(topology, *way)) {
-            state[g] = defect(&circuit(topology, charts, jump, g));
+            state[g] = defect(&circuit(charted, jump, g));
         }
         slips.extend(ways);
     }
@@ -141,14 +138,13 @@ fn beside(topology: &Topology, (f, e): (FaceId, EdgeId)) -> impl Iterator<Item =
 /// Moves the Burgers vectors that lie at the beginnings of ways along those that are `taken`, one
 /// way after the other; returns the changes of the jumps along each.
 pub(super) fn slip(
-    topology: &Topology,
-    charts: &Charts,
+    charted: &ChartedSurface<'_>,
     jump: &mut PerEdge<Eisenstein>,
     slips: &[Slip],
     taken: &[bool],
 ) -> Vec<Vec<(EdgeId, Eisenstein)>> {
     let mut along = |path: &Slip| {
-        let step = |&(f, e): &(FaceId, EdgeId)| (e, push_across(topology, charts, jump, f, e));
+        let step = |&(f, e): &(FaceId, EdgeId)| (e, push_across(charted, jump, f, e));
         path.iter().map(step).collect()
     };
     let changes = slips.iter().zip(taken).map(|(path, taken)| match taken {
@@ -159,8 +155,7 @@ pub(super) fn slip(
 }
 
 /// Number of triangles with a dislocation.
-pub(super) fn count(topology: &Topology, charts: &Charts, jump: &PerEdge<Eisenstein>) -> usize {
-    let at =
-        |f: &FaceId| defect(&circuit(topology, charts, jump, *f)) == LatticeDefect::Dislocation;
-    topology.faces().filter(at).count()
+pub(super) fn count(charted: &ChartedSurface<'_>, jump: &PerEdge<Eisenstein>) -> usize {
+    let at = |f: &FaceId| defect(&circuit(charted, jump, *f)) == LatticeDefect::Dislocation;
+    charted.topology.faces().filter(at).count()
 }

@@ -4,6 +4,7 @@
 
 pub(super) mod boundary;
 mod chart_graph;
+pub(super) mod charted;
 pub(super) mod dislocations;
 pub(crate) mod eisenstein;
 mod fronts;

@@ -6,9 +6,10 @@
 
 use super::boundary::Pin;
 use super::chart_graph::ANCHOR;
+use super::charted::ChartedSurface;
 use super::eisenstein::{Charts, Eisenstein, Plane, dot, rotate, waves};
 use super::waves::Projector;
-use crate::directions::intrinsic::{IntrinsicMesh, row};
+use crate::directions::intrinsic::row;
 use phex_mesh::{EdgeId, PerEdge, PerVertex, Topology, VertexId};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
 
@@ -24,7 +25,8 @@ pub(crate) struct Offsets {
 
 impl Offsets {
     /// Jumps by rounding.
-    pub fn rounded(topology: &Topology, charts: &Charts, position: PerVertex<Plane>) -> Self {
+    pub fn rounded(charted: &ChartedSurface<'_>, position: PerVertex<Plane>) -> Self {
+        let (topology, charts) = (charted.topology, charted.charts);
         let jump = PerEdge::from_fn(topology.n_edges(), |e| {
             let [i, j] = topology.edge_vertices(e);
             Eisenstein::nearest(charts.edge(e).apply(position[j]) - position[i])
@@ -33,7 +35,8 @@ impl Offsets {
     }
 
     /// The same lattice, each vertex naming the point nearest to it.
-    pub(crate) fn reduced(mut self, topology: &Topology, charts: &Charts) -> Self {
+    pub(crate) fn reduced(mut self, charted: &ChartedSurface<'_>) -> Self {
+        let (topology, charts) = (charted.topology, charted.charts);
         let shift = self.position.map(|z| Eisenstein::nearest(*z));
         for e in topology.edges() {
             let [i, j] = topology.edge_vertices(e);
@@ -48,12 +51,8 @@ impl Offsets {
     /// Whether the ends of each edge name the same lattice point, or points nearer to each other
     /// than `distance`: the offsets about a cone do not close, so that a point beside it is seen
     /// twice.
-    pub(crate) fn same_point(
-        &self,
-        topology: &Topology,
-        charts: &Charts,
-        distance: f64,
-    ) -> PerEdge<bool> {
+    pub(crate) fn same_point(&self, charted: &ChartedSurface<'_>, distance: f64) -> PerEdge<bool> {
+        let (topology, charts) = (charted.topology, charted.charts);
         PerEdge::from_fn(topology.n_edges(), |e| {
             let [i, j] = topology.edge_vertices(e);
             let apart = charts.edge(e).apply(self.position[j]) - self.position[i];
@@ -62,20 +61,15 @@ impl Offsets {
     }
 
     /// By how much what an edge's ends say of the same lattice point differs, lattice spacings.
-    pub fn residual(&self, topology: &Topology, charts: &Charts, e: EdgeId) -> Plane {
-        let [i, j] = topology.edge_vertices(e);
-        charts.edge(e).apply(self.position[j]) - self.jump[e].to_plane() - self.position[i]
+    pub fn residual(&self, charted: &ChartedSurface<'_>, e: EdgeId) -> Plane {
+        let [i, j] = charted.topology.edge_vertices(e);
+        charted.charts.edge(e).apply(self.position[j]) - self.jump[e].to_plane() - self.position[i]
     }
 
     /// Residuals over the lengths of the edges.
-    pub(crate) fn distortion(
-        &self,
-        topology: &Topology,
-        mesh: &IntrinsicMesh,
-        charts: &Charts,
-    ) -> PerEdge<f64> {
-        PerEdge::from_fn(topology.n_edges(), |e| {
-            self.residual(topology, charts, e).norm() / mesh.length[e]
+    pub(crate) fn distortion(&self, charted: &ChartedSurface<'_>) -> PerEdge<f64> {
+        PerEdge::from_fn(charted.topology.n_edges(), |e| {
+            self.residual(charted, e).norm() / charted.mesh.length[e]
         })
     }
 }
@@ -83,10 +77,7 @@ impl Offsets {
 /// The system whose solution are lattice offsets that fit the edges and the pins best, whatever the
 /// jumps are.
 pub(crate) struct OffsetSystem<'a> {
-    topology: &'a Topology,
-    mesh: &'a IntrinsicMesh,
-    charts: &'a Charts,
-    pins: &'a PerVertex<Option<Pin>>,
+    charted: ChartedSurface<'a>,
     factor: Factor,
 }
 
@@ -99,12 +90,13 @@ enum Factor {
 impl<'a> OffsetSystem<'a> {
     /// # Errors
     /// If it is singular to rounding.
-    pub fn new(
-        topology: &'a Topology,
-        mesh: &'a IntrinsicMesh,
-        charts: &'a Charts,
-        pins: &'a PerVertex<Option<Pin>>,
-    ) -> Result<Self, NumericError> {
+    pub fn new(charted: ChartedSurface<'a>) -> Result<Self, NumericError> {
+        let ChartedSurface {
+            topology,
+            mesh,
+            charts,
+            pins,
+        } = charted;
         let mut own: Vec<f64> = mesh.mass.iter().map(|m| ANCHOR * m).collect();
         let mut entries = Vec::with_capacity(topology.n_edges() + own.len());
         for e in topology.edges() {
@@ -128,35 +120,34 @@ impl<'a> OffsetSystem<'a> {
                 Factor::Free(Cholesky::new(&matrix)?)
             }
         };
-        Ok(Self {
-            topology,
-            mesh,
-            charts,
-            pins,
-            factor,
-        })
+        Ok(Self { charted, factor })
     }
 
     /// The offsets for given jumps; nearest to `near` where jumps and pins leave them free.
     pub fn solve(&self, jump: &PerEdge<Eisenstein>, near: &PerVertex<Plane>) -> PerVertex<Plane> {
-        let (topology, mesh) = (self.topology, self.mesh);
+        let ChartedSurface {
+            topology,
+            mesh,
+            charts,
+            pins,
+        } = self.charted;
         let held = near.iter().zip(&mesh.mass);
         let mut rhs: Vec<Plane> = held.map(|(z, m)| z * (ANCHOR * m)).collect();
         for e in topology.edges() {
             let [i, j] = topology.edge_vertices(e).map(|v| v.index());
-            let t = self.charts.edge(e);
+            let t = charts.edge(e);
             let c = (t.offset - jump[e].to_plane()) * mesh.weight[e];
             rhs[i] += c;
             rhs[j] -= rotate(c, (6 - t.turn) % 6);
         }
-        for (v, pin) in self.pins.enumerate() {
+        for (v, pin) in pins.enumerate() {
             if let Some(pin) = pin {
                 let wanted = near[v] + pin.correction(near[v]);
                 rhs[v.index()] += pin.normal * (pin.weight * dot(pin.normal, wanted));
             }
         }
         let mut position = PerVertex::from_vec(self.factor.solution(rhs));
-        translate(topology, mesh, self.charts, near, &mut position);
+        translate(&self.charted, near, &mut position);
         position
     }
 }
@@ -245,20 +236,18 @@ fn common_frame(topology: &Topology, charts: &Charts) -> Option<PerVertex<u8>> {
 /// costs nothing: which of several shortest paths a dislocation took shifts offsets by lattice
 /// vectors and must not matter.
 pub(super) fn translate(
-    topology: &Topology,
-    mesh: &IntrinsicMesh,
-    charts: &Charts,
+    charted: &ChartedSurface<'_>,
     near: &PerVertex<Plane>,
     position: &mut PerVertex<Plane>,
 ) {
-    let Some(turn) = common_frame(topology, charts) else {
+    let Some(turn) = common_frame(charted.topology, charted.charts) else {
         return;
     };
     let mut sum = [Plane::new(0.0, 0.0); 3];
     for (v, &t) in turn.enumerate() {
         let seen = waves(rotate(near[v] - position[v], t));
         for (sum, wave) in sum.iter_mut().zip(seen) {
-            *sum += wave * mesh.mass[v];
+            *sum += wave * charted.mesh.mass[v];
         }
     }
     let shift = Projector::new().project(&sum);

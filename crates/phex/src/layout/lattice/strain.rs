@@ -5,15 +5,14 @@
 //! energy `sum w |r|^2` of the residuals falls by twice the product of residuals and changes when
 //! it moves back (the force of Peach and Koehler, summed along the way).
 
-use super::boundary::Pin;
 use super::chart_graph::{ChartGraph, Combing};
+use super::charted::ChartedSurface;
 use super::dislocations::{self, Annihilation, annihilate};
-use super::eisenstein::{Charts, Eisenstein, Plane, dot};
+use super::eisenstein::{Eisenstein, Plane, dot};
 use super::seamless::{OffsetSystem, Offsets, translate};
-use crate::directions::intrinsic::IntrinsicMesh;
 use crate::layout::{LayoutError, LayoutOptions, unless_cancelled};
 use crate::progress::Progress;
-use phex_mesh::{EdgeId, PerVertex, Topology};
+use phex_mesh::{EdgeId, PerVertex};
 use phex_numeric::NumericError;
 
 /// Shares of the ways that come back at once, at least and at the most: the pulls on the others
@@ -25,45 +24,36 @@ const CAUTION: f64 = 0.5;
 /// The lattice with as few dislocations as the bound on distortion allows, and the 95 % quantile of
 /// its distortion.
 pub(in crate::layout) fn seamless_offsets(
-    topology: &Topology,
-    mesh: &IntrinsicMesh,
-    charts: &Charts,
-    pins: &PerVertex<Option<Pin>>,
+    charted: &ChartedSurface<'_>,
     rounded: Offsets,
     options: &LayoutOptions,
     progress: &dyn Progress,
 ) -> Result<(Offsets, Annihilation, f64), LayoutError> {
     let longest = options.annihilation_length.unwrap_or(f64::INFINITY);
-    let (mut annihilation, slips) =
-        annihilate(topology, mesh, charts, &mut rounded.jump.clone(), longest);
+    let (mut annihilation, slips) = annihilate(charted, &mut rounded.jump.clone(), longest);
     let mut taken = vec![true; slips.len()];
     let mut solver = PinnedSolver {
-        topology,
-        mesh,
-        charts,
-        pins,
+        charted: *charted,
         system: None,
     };
     let mut last: Option<(usize, f64)> = None;
     loop {
         unless_cancelled(progress)?;
         let mut offsets = rounded.clone();
-        let changes = dislocations::slip(topology, charts, &mut offsets.jump, &slips, &taken);
+        let changes = dislocations::slip(charted, &mut offsets.jump, &slips, &taken);
         annihilation.moved = taken.iter().filter(|t| **t).count();
         if annihilation.moved > 0 {
             offsets.position = solver.solve(&offsets)?;
         }
-        let p95 = distortion(&offsets, topology, mesh, charts);
-        let pull = changes
-            .iter()
-            .map(|c| pull(&offsets, topology, mesh, charts, c));
+        let p95 = distortion(&offsets, charted);
+        let pull = changes.iter().map(|c| pull(&offsets, charted, c));
         let pull: Vec<f64> = pull.collect();
         let mut hardest: Vec<usize> = (0..slips.len()).filter(|k| taken[*k]).collect();
         hardest.sort_by(|a, b| pull[*b].total_cmp(&pull[*a]));
         let hard = |most: f64| hardest.first().is_some_and(|k| pull[*k] > most);
         let is_calm = !options.max_pull.is_some_and(hard);
         if (p95 <= options.max_distortion && is_calm) || annihilation.moved == 0 {
-            annihilation.kept = dislocations::count(topology, charts, &offsets.jump);
+            annihilation.kept = dislocations::count(charted, &offsets.jump);
             return Ok((offsets, annihilation, p95));
         }
         let now = (annihilation.moved, p95);
@@ -86,28 +76,17 @@ fn missing(before: (usize, f64), now: (usize, f64), goal: f64) -> f64 {
 }
 
 /// The 95 % quantile over the edges.
-fn distortion(
-    offsets: &Offsets,
-    topology: &Topology,
-    mesh: &IntrinsicMesh,
-    charts: &Charts,
-) -> f64 {
-    let mut all = offsets.distortion(topology, mesh, charts).into_vec();
+fn distortion(offsets: &Offsets, charted: &ChartedSurface<'_>) -> f64 {
+    let mut all = offsets.distortion(charted).into_vec();
     let rank = all.len() * 95 / 100;
     *all.select_nth_unstable_by(rank, f64::total_cmp).1
 }
 
 /// How hard strain pulls a Burgers vector back along the way on which it changed jumps.
-fn pull(
-    offsets: &Offsets,
-    topology: &Topology,
-    mesh: &IntrinsicMesh,
-    charts: &Charts,
-    changes: &[(EdgeId, Eisenstein)],
-) -> f64 {
+fn pull(offsets: &Offsets, charted: &ChartedSurface<'_>, changes: &[(EdgeId, Eisenstein)]) -> f64 {
     let at = |(e, change): &(EdgeId, Eisenstein)| {
-        let residual = offsets.residual(topology, charts, *e);
-        -mesh.weight[*e] * dot(residual, change.to_plane())
+        let residual = offsets.residual(charted, *e);
+        -charted.mesh.weight[*e] * dot(residual, change.to_plane())
     };
     changes.iter().map(at).sum()
 }
@@ -116,22 +95,18 @@ fn pull(
 /// first, without pins, to see where rows come to lie. The factorisation does not depend on the
 /// jumps and is made once.
 struct PinnedSolver<'a> {
-    topology: &'a Topology,
-    mesh: &'a IntrinsicMesh,
-    charts: &'a Charts,
-    pins: &'a PerVertex<Option<Pin>>,
+    charted: ChartedSurface<'a>,
     system: Option<OffsetSystem<'a>>,
 }
 
 impl PinnedSolver<'_> {
     fn solve(&mut self, offsets: &Offsets) -> Result<PerVertex<Plane>, NumericError> {
-        let (topology, mesh, charts, pins) = (self.topology, self.mesh, self.charts, self.pins);
         let system = match self.system.take() {
             Some(system) => system,
-            None => OffsetSystem::new(topology, mesh, charts, pins)?,
+            None => OffsetSystem::new(self.charted)?,
         };
         let solve = |near: &_| system.solve(&offsets.jump, near);
-        let position = match pins.iter().any(Option::is_some) {
+        let position = match self.charted.pins.iter().any(Option::is_some) {
             true => solve(&solve(&self.rough_positions(offsets)?)),
             false => solve(&offsets.position),
         };
@@ -141,21 +116,18 @@ impl PinnedSolver<'_> {
 
     /// Positions without pins, solved for on groups of vertices.
     fn rough_positions(&self, offsets: &Offsets) -> Result<PerVertex<Plane>, NumericError> {
-        let Self { topology, mesh, .. } = self;
-        let charts = self.charts.with_jumps(&offsets.jump);
-        let combing = Combing::new(topology, &charts);
-        let free = PerVertex::filled(topology.n_vertices(), None);
-        let (groups, members) = ChartGraph::new(topology, mesh, &charts, &free, &combing).coarse();
+        let topology = self.charted.topology;
+        let free = ChartedSurface {
+            charts: &self.charted.charts.with_jumps(&offsets.jump),
+            pins: &PerVertex::filled(topology.n_vertices(), None),
+            ..self.charted
+        };
+        let combing = Combing::new(topology, free.charts);
+        let (groups, members) = ChartGraph::new(&free, &combing).coarse();
         let of_group = groups.best_positions()?;
         let position = members.iter().map(|m| m.of(&of_group));
         let mut position = combing.restored(position);
-        translate(
-            topology,
-            mesh,
-            self.charts,
-            &offsets.position,
-            &mut position,
-        );
+        translate(&self.charted, &offsets.position, &mut position);
         Ok(position)
     }
 }

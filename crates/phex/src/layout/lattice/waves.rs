@@ -8,13 +8,12 @@
 //! scheme in the manner of Merriman, Bence and Osher). The longest time is run on groups of
 //! vertices, from a random start.
 
-use super::boundary::Pin;
 use super::chart_graph::{ChartGraph, Combing};
-use super::eisenstein::{Charts, Eisenstein, Plane, dot, reciprocal, third, waves};
+use super::charted::ChartedSurface;
+use super::eisenstein::{Eisenstein, Plane, dot, reciprocal, third, waves};
 use super::wave_operator::{WIDTH, WaveOperator, packed, unpacked};
-use crate::directions::intrinsic::IntrinsicMesh;
 use crate::progress::Progress;
-use phex_mesh::{PerVertex, Topology};
+use phex_mesh::PerVertex;
 use phex_numeric::{ConjugateGradientOptions, conjugate_gradients};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -41,17 +40,14 @@ const DIFFUSION: ConjugateGradientOptions = ConjugateGradientOptions {
 
 /// Lattice offset of each vertex (position of a lattice point in the vertex's chart).
 pub(crate) fn diffuse(
-    topology: &Topology,
-    mesh: &IntrinsicMesh,
-    charts: &Charts,
-    pins: &PerVertex<Option<Pin>>,
+    charted: &ChartedSurface<'_>,
     seed: u64,
     progress: &dyn Progress,
 ) -> PerVertex<Plane> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut cell = || random.random_range(-0.5..0.5);
-    let combing = Combing::new(topology, charts);
-    let graph = ChartGraph::new(topology, mesh, charts, pins, &combing);
+    let combing = Combing::new(charted.topology, charted.charts);
+    let graph = ChartGraph::new(charted, &combing);
     let (coarse, members) = graph.coarse();
     let start = (0..coarse.mass.len()).map(|_| Plane::new(cell(), cell()));
     let start = stepped(&coarse, start.collect(), &COARSE, progress);
