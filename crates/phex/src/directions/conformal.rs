@@ -2,7 +2,7 @@
 //! explain.
 
 use super::boundary::{self, BoundaryFrame};
-use super::intrinsic::{IntrinsicMesh, row};
+use super::intrinsic::IntrinsicMesh;
 use super::{DirectionOptions, mirrors};
 use phex_mesh::{PerFace, PerVertex, Topology};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
@@ -33,29 +33,11 @@ pub(crate) fn log_factor(
             }
         }
     }
-    let mut own: Vec<f64> = mesh
-        .mass
-        .iter()
-        .map(|m| options.conformal_screening * m)
-        .collect();
-    let mut entries = Vec::with_capacity(topology.n_edges() + own.len());
-    for e in topology.edges() {
-        let [a, b] = topology.edge_vertices(e);
-        own[a.index()] += mesh.weight[e];
-        own[b.index()] += mesh.weight[e];
-        entries.push((row(a.max(b)), row(a.min(b)), -mesh.weight[e]));
-    }
-    entries.extend(
-        own.iter()
-            .enumerate()
-            .map(|(i, d)| (i as u32, i as u32, *d)),
-    );
+    let screening = mesh.mass.iter().map(|m| options.conformal_screening * m);
+    let entries = mesh.laplacian(topology, 1.0, screening.collect(), |_, w, _| -w);
     let mut s = rhs.into_vec();
-    Cholesky::new(&SymmetricMatrix::from_triplets(
-        s.len(),
-        entries.into_iter(),
-    )?)?
-    .solve(&mut s);
+    let matrix = SymmetricMatrix::from_triplets(s.len(), entries.into_iter())?;
+    Cholesky::new(&matrix)?.solve(&mut s);
     Ok(PerVertex::from_vec(limited(
         &s,
         mesh,

@@ -3,8 +3,8 @@
 use super::mirrors::{MirrorPlane, multiplicity};
 use nalgebra::Matrix3;
 use phex_mesh::{
-    ElementId, FaceId, HalfEdgeId, PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex, Topology,
-    TriangleSurface,
+    EdgeId, ElementId, FaceId, HalfEdgeId, PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex,
+    Topology, TriangleSurface,
 };
 use std::f64::consts::PI;
 
@@ -43,6 +43,29 @@ impl IntrinsicMesh {
     /// edge: half of its way from centre to centre.
     pub(crate) fn half_crossing(&self, f: FaceId) -> f64 {
         0.375 * self.area[f].sqrt()
+    }
+
+    /// The entries of the lower triangle of `t` times the Laplacian with `own` added to its
+    /// diagonal. `between` says what stands there for an edge: minus its weight, which it is
+    /// given, times what turns the value at the end with the smaller number to the other one;
+    /// whether that is the first end it is told.
+    pub(crate) fn laplacian<T: From<f64>>(
+        &self,
+        topology: &Topology,
+        t: f64,
+        mut own: Vec<f64>,
+        between: impl Fn(EdgeId, f64, bool) -> T,
+    ) -> Vec<(u32, u32, T)> {
+        let mut entries = Vec::with_capacity(topology.n_edges() + own.len());
+        for e in topology.edges() {
+            let [i, j] = topology.edge_vertices(e).map(row);
+            let w = t * self.weight[e];
+            own[i as usize] += w;
+            own[j as usize] += w;
+            entries.push((i.max(j), i.min(j), between(e, w, i < j)));
+        }
+        entries.extend((0..).zip(own).map(|(v, d)| (v, v, T::from(d))));
+        entries
     }
 
     /// Multiplies all lengths by a `factor`; angles and weights stay as they are.

@@ -2,7 +2,7 @@
 //! diffusion-projection polish).
 
 use super::boundary::BoundaryFrame;
-use super::intrinsic::{IntrinsicMesh, row};
+use super::intrinsic::IntrinsicMesh;
 use super::{DirectionOptions, boundary, mirrors};
 use crate::curvature::Principal;
 use nalgebra::{Complex, Matrix3};
@@ -278,22 +278,12 @@ pub(super) fn connection_laplacian(
     t: f64,
     diagonal: impl Fn(VertexId) -> f64,
 ) -> Result<SymmetricMatrix<Complex<f64>>, NumericError> {
-    let mut own: Vec<f64> = topology.vertices().map(diagonal).collect();
-    let mut entries = Vec::with_capacity(topology.n_edges() + own.len());
-    for e in topology.edges() {
-        let [i, j] = topology.edge_vertices(e).map(row);
-        let w = t * mesh.weight[e];
-        own[i as usize] += w;
-        own[j as usize] += w;
-        let turned = Complex::from_polar(w, transport(e));
-        // Only the lower triangle is stored.
-        entries.push(match i < j {
-            true => (j, i, -turned),
-            false => (i, j, -turned.conj()),
-        });
-    }
-    let own = (0..).zip(&own).map(|(v, d)| (v, v, Complex::from(*d)));
-    entries.extend(own);
+    let own = topology.vertices().map(diagonal).collect();
+    let turned = |e: EdgeId, w: f64, is_along: bool| {
+        let turned = -Complex::from_polar(w, transport(e));
+        if is_along { turned } else { turned.conj() }
+    };
+    let entries = mesh.laplacian(topology, t, own, turned);
     SymmetricMatrix::from_triplets(topology.n_vertices(), entries.into_iter())
 }
 

@@ -91,28 +91,13 @@ impl<'a> OffsetSystem<'a> {
     /// # Errors
     /// If it is singular to rounding.
     pub fn new(charted: ChartedSurface<'a>) -> Result<Self, NumericError> {
-        let ChartedSurface {
-            topology,
-            mesh,
-            charts,
-            pins,
-        } = charted;
-        let mut own: Vec<f64> = mesh.mass.iter().map(|m| ANCHOR * m).collect();
-        let mut entries = Vec::with_capacity(topology.n_edges() + own.len());
-        for e in topology.edges() {
-            let [i, j] = topology.edge_vertices(e).map(row);
-            let (w, turn) = (mesh.weight[e], charts.edge(e).turn);
-            own[i as usize] += w;
-            own[j as usize] += w;
-            let seen = -rotate(Plane::new(w, 0.0), turn);
-            // Only the lower triangle is stored.
-            entries.push(match i > j {
-                true => (i, j, seen),
-                false => (j, i, seen.conj()),
-            });
-        }
-        let own = (0..).zip(own).map(|(v, d)| (v, v, Plane::from(d)));
-        entries.extend(own);
+        let ChartedSurface { mesh, pins, .. } = charted;
+        let own = mesh.mass.iter().map(|m| ANCHOR * m).collect();
+        let seen = |e: EdgeId, w: f64, is_along: bool| {
+            let seen = -rotate(Plane::new(w, 0.0), charted.charts.edge(e).turn);
+            if is_along { seen.conj() } else { seen }
+        };
+        let entries = mesh.laplacian(charted.topology, 1.0, own, seen);
         let factor = match pins.iter().any(Option::is_some) {
             true => Factor::Pinned(pinned(&entries, pins)?),
             false => {
