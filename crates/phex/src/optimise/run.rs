@@ -1,8 +1,8 @@
 //! One run: rising penalties from one start, then the projection.
 
 use super::error::OptimiseError;
-use super::inspect::inspect;
-use super::options::{OptimiseOptions, PathKind, Solver, StartKind};
+use super::inspect::{Offender, Quality, inspect};
+use super::options::{OptimiseOptions, Solver, StartKind};
 use super::panels::FaceShapes;
 use super::simple::crossed;
 use super::solver::emphasis::{EMPHASES, FREE_TURN};
@@ -66,13 +66,7 @@ impl Stage<'_> {
         if !path.is_over() && best.is_planar(options) {
             best = path.finish(best)?;
         }
-        let way = ResultOrigin {
-            kind,
-            path: PathKind::Feasible,
-            in_parts: path.in_parts,
-            outcome: path.outcome,
-        };
-        Ok(self.conclude(start.n_bad, best.x, way, options))
+        Ok(self.conclude(start.n_bad, best.x, path.way(kind), options))
     }
 
     /// Makes a mesh planar as it is: nothing if it is sound, a projection if that is enough, then
@@ -154,6 +148,16 @@ impl Stage<'_> {
         }
     }
 
+    /// Figures of positions as they are, and what is wrong with them.
+    pub(crate) fn inspected(
+        &self,
+        x: &[f64],
+        options: &OptimiseOptions,
+    ) -> (Quality, Vec<Offender>) {
+        let deviation = deviation(&self.setting(x), x);
+        inspect(&self.panels, &self.guard, x, deviation, options)
+    }
+
     /// Judges what a run has reached.
     pub(crate) fn conclude(
         &self,
@@ -163,8 +167,7 @@ impl Stage<'_> {
         options: &OptimiseOptions,
     ) -> Run {
         let mut outcome = way.outcome;
-        let deviation = deviation(&self.setting(&x), &x);
-        let (quality, offenders) = inspect(&self.panels, &self.guard, &x, deviation, options);
+        let (quality, offenders) = self.inspected(&x, options);
         let planar = quality.planarity <= options.planarity_tolerance;
         if planar && outcome.status != Status::Cancelled {
             outcome.status = Status::Converged;

@@ -8,9 +8,9 @@
 //! say.
 
 use super::path::Path;
-use super::reached::{ResultOrigin, Run};
+use super::reached::Run;
 use super::solvers::Solvers;
-use crate::optimise::options::{NEWTON_ITERATIONS, OptimiseOptions, PathKind, StartKind};
+use crate::optimise::options::{NEWTON_ITERATIONS, OptimiseOptions, StartKind};
 use crate::optimise::panels::{FaceShapes, Panels};
 use crate::optimise::terms::concavity::{ConcavityTerm, is_concave, to_be_convex};
 use crate::optimise::terms::folds::FoldTerm;
@@ -141,13 +141,7 @@ impl Stage<'_> {
         let (mut solvers, folds) = lack.solvers(&setting, x, free_turn)?;
         let mut path = Path::new(&setting, &mut solvers, x, options, progress)?;
         let now = path.emphasised(x, (&lack, folds), round)?;
-        let way = ResultOrigin {
-            kind: StartKind::Local,
-            path: PathKind::Feasible,
-            in_parts: path.in_parts,
-            outcome: path.outcome,
-        };
-        Ok(self.conclude(0, now, way, options))
+        Ok(self.conclude(0, now, path.way(StartKind::Local), options))
     }
 }
 

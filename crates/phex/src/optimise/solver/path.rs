@@ -4,12 +4,13 @@
 use super::endgame::{RIGIDITY, minimise_on_constraints};
 use super::energy::{PanelEnergy, Weights};
 use super::parts::{Cuts, LARGE, Part, finish_in_parts, minimise_in_parts};
-use super::reached::{Reached, better};
+use super::reached::{Reached, ResultOrigin, better};
 use super::shortcut::Projection;
 use super::solvers::{Dual, Solvers, StepReporter};
 use crate::optimise::error::OptimiseError;
 use crate::optimise::options::{
-    KEPT_CLEARANCE, NEWTON_ITERATIONS, OptimiseOptions, PENALTIES, PROJECTION_ITERATIONS,
+    KEPT_CLEARANCE, NEWTON_ITERATIONS, OptimiseOptions, PENALTIES, PROJECTION_ITERATIONS, PathKind,
+    StartKind,
 };
 use crate::optimise::panels::FaceShapes;
 use crate::optimise::targets::reference::Reference;
@@ -54,7 +55,7 @@ pub(in crate::optimise) struct Path<'a> {
     pub reporter: StepReporter<'a>,
     pub outcome: Outcome,
     /// Factorisations for parts of the mesh alone.
-    pub in_parts: usize,
+    in_parts: usize,
     pub weights: Weights,
     pub barriers: Vec<Barrier>,
     pub start: &'a [f64],
@@ -132,6 +133,16 @@ impl<'a> Path<'a> {
         match &mut self.descent {
             Descent::Whole(whole) => Some(&mut whole.energy),
             Descent::Parts => None,
+        }
+    }
+
+    /// How a result from a kind of start came about.
+    pub(crate) fn way(self, kind: StartKind) -> ResultOrigin {
+        ResultOrigin {
+            kind,
+            path: PathKind::Feasible,
+            in_parts: self.in_parts,
+            outcome: self.outcome,
         }
     }
 

@@ -15,10 +15,9 @@ use crate::optimise::panels::{point, unknowns};
 use crate::optimise::quotient::Quotient;
 use crate::optimise::solver::parts::PartRegion;
 use crate::optimise::solver::reached::Run;
-use crate::optimise::terms::setting::deviation;
 use crate::optimise::{
     Fault, Offender, OptimiseError, OptimiseOptions, Optimised, Quality, Stage, Steering, Target,
-    check_mesh, finished as finished_mesh, inspect::inspect, mesh_at,
+    check_mesh, finished as finished_mesh, mesh_at,
 };
 use crate::progress::Progress;
 use phex_mesh::{BoundaryCurve, FaceId, FlatFace, HexMesh, Vec3, VertexId, small_rim_faces};
@@ -171,14 +170,6 @@ pub(in crate::optimise) fn already_there(
     let rim = topology.boundary_vertices();
     rim.filter_map(|v| Some((v.index() as u32, hold_of(v)?)))
         .collect()
-}
-
-impl Stage<'_> {
-    /// Figures of positions as they are, and what is wrong with them.
-    fn inspected(&self, x: &[f64], options: &OptimiseOptions) -> (Quality, Vec<Offender>) {
-        let deviation = deviation(&self.setting(x), x);
-        inspect(&self.panels, &self.guard, x, deviation, options)
-    }
 }
 
 /// Lets go of vertices that slide, or if there are none of them, of corners; whether there was one.
