@@ -21,12 +21,6 @@ const OWN_METRIC: [LayoutMethod; 2] = [LayoutMethod::ProjectiveDual, LayoutMetho
 /// Methods that end with the optimiser, which keeps panels to the target.
 const OPTIMISED: [LayoutMethod; 2] = [LayoutMethod::Lattice, LayoutMethod::BrickWall];
 
-/// An option that is set, and the methods that heed it.
-struct Heeded {
-    option: &'static str,
-    by: Vec<LayoutMethod>,
-}
-
 impl MeshSettings {
     /// Refuses options that have no effect with the method, or without another option.
     ///
@@ -34,18 +28,12 @@ impl MeshSettings {
     /// All of them that are set, with the methods that heed them.
     pub fn check_effects(&self, given: &Given) -> Result<(), JobError> {
         let method = LayoutMethod::from(self.options(1).method);
-        let idle = self
-            .heeded(given)
-            .into_iter()
-            .filter(|h| !h.by.contains(&method));
-        let told = idle.map(|h| {
-            let by: Vec<String> = h.by.iter().map(|m| name(*m)).collect();
-            format!(
-                "`{}` has no effect with `{}` (it has with {})",
-                h.option,
-                name(method),
-                by.join(", ")
-            )
+        let heeded = self.heeded(given).into_iter();
+        let idle = heeded.filter(|(_, by)| !by.contains(&method));
+        let told = idle.map(|(option, by)| {
+            let by: Vec<String> = by.into_iter().map(name).collect();
+            let (method, by) = (name(method), by.join(", "));
+            format!("`{option}` has no effect with `{method}` (it has with {by})")
         });
         let twice = self.method == Some(LayoutMethod::Best) && self.effort.is_some();
         let twice = twice.then(|| "`effort` has no effect with `best`".to_owned());
@@ -53,88 +41,61 @@ impl MeshSettings {
         refused(told.collect())
     }
 
-    /// The options that are set and that not every method heeds.
-    fn heeded(&self, given: &Given) -> Vec<Heeded> {
-        let every = || LayoutMethod::ALL.to_vec();
-        let lattice = || ON_LATTICE.to_vec();
+    /// The options that are set and that not every method heeds, with those that do.
+    fn heeded(&self, given: &Given) -> Vec<(&'static str, Vec<LayoutMethod>)> {
+        use LayoutMethod::{DualSubdivision, Koebe, Lattice, Parallel, PowerDiagram};
+        use LayoutMethod::{ProjectiveDual, TangentPlanes};
+        let all_but = |one| -> Vec<_> {
+            let others = LayoutMethod::ALL.into_iter().filter(|m| *m != one);
+            others.collect()
+        };
         let directed = [ON_LATTICE.as_slice(), &OWN_METRIC].concat();
-        let turned = [directed.as_slice(), &[LayoutMethod::Koebe]].concat();
-        let fitted = self.fitted();
-        let bounded = every()
-            .into_iter()
-            .filter(|m| *m != LayoutMethod::PowerDiagram);
-        let near = match self.target {
-            Some(CloseTo::Facets) => fitted.clone(),
-            _ => bounded.clone().collect(),
-        };
-        let mut one_sign = OWN_METRIC.to_vec();
-        one_sign.extend([LayoutMethod::DualSubdivision, LayoutMethod::Parallel]);
-        let dials = if self.steering.holds() || !given.steering.is_empty() {
-            every()
-        } else {
-            fitted
-        };
-        let s = &self.steering;
+        let turned = [directed.as_slice(), &[Koebe]].concat();
+        let one_sign = [OWN_METRIC.as_slice(), &[DualSubdivision, Parallel]].concat();
+        let bounded = all_but(PowerDiagram);
         // Vertices that are moved afterwards turn the edges that have offsets.
-        let movable: Vec<LayoutMethod> = every()
-            .into_iter()
-            .filter(|m| *m != LayoutMethod::Koebe)
-            .collect();
-        let all = [
-            ("effort", self.effort.is_some(), vec![LayoutMethod::Lattice]),
-            ("regular", self.regular, vec![LayoutMethod::Lattice]),
-            ("rotate", self.rotate.is_some(), turned),
-            (
-                "cones",
-                self.guides.cones.is_some() || !given.guides.cones.is_empty(),
-                directed,
-            ),
-            (
-                "guide",
-                self.guides.guide.is_some() || !given.guides.lines.is_empty(),
-                lattice(),
-            ),
-            ("crease", self.guides.crease.is_some(), lattice()),
-            ("adaptive", self.adaptive.is_some(), lattice()),
-            (
-                "size-field",
-                self.size_field.is_some() || given.size_field.is_some(),
-                lattice(),
-            ),
-            ("boundary", self.boundary.is_some(), bounded.collect()),
-            (
-                "symmetry",
-                self.asks_for_symmetry(),
-                vec![LayoutMethod::Lattice],
-            ),
+        let movable = all_but(Koebe);
+        let fitted = self.fitted();
+        let near = match self.target {
+            Some(CloseTo::Facets) => &fitted,
+            _ => &bounded,
+        };
+        let (s, guides) = (&self.steering, &self.guides);
+        let dials = match s.holds() || !given.steering.is_empty() {
+            true => LayoutMethod::ALL.as_slice(),
+            false => &fitted,
+        };
+        let cones = guides.cones.is_some() || !given.guides.cones.is_empty();
+        let lines = guides.guide.is_some() || !given.guides.lines.is_empty();
+        let sizes = self.size_field.is_some() || given.size_field.is_some();
+        let snaps = self.boundary == Some(AtBoundary::Snap);
+        let all: [(_, _, &[LayoutMethod]); 23] = [
+            ("effort", self.effort.is_some(), &[Lattice]),
+            ("regular", self.regular, &[Lattice]),
+            ("rotate", self.rotate.is_some(), &turned),
+            ("cones", cones, &directed),
+            ("guide", lines, &ON_LATTICE),
+            ("crease", guides.crease.is_some(), &ON_LATTICE),
+            ("adaptive", self.adaptive.is_some(), &ON_LATTICE),
+            ("size-field", sizes, &ON_LATTICE),
+            ("boundary", self.boundary.is_some(), &bounded),
+            ("symmetry", self.asks_for_symmetry(), &[Lattice]),
             ("target", self.target.is_some(), near),
-            ("any-domain", self.any_domain, one_sign),
-            (
-                "quadric",
-                self.quadric.is_some(),
-                vec![LayoutMethod::ProjectiveDual],
-            ),
-            (
-                "regularise",
-                self.regularise.is_some(),
-                vec![LayoutMethod::TangentPlanes],
-            ),
-            ("minimal", self.minimal, vec![LayoutMethod::Koebe]),
-            (
-                "boundary = snap",
-                self.boundary == Some(AtBoundary::Snap),
-                movable.clone(),
-            ),
-            ("repeat", self.repeat.is_some(), movable.clone()),
-            ("held vertices", s.holds(), movable),
-            ("fairness", s.fairness.is_some(), dials.clone()),
-            ("closeness", s.closeness.is_some(), dials.clone()),
-            ("clearance", s.clearance.is_some(), dials.clone()),
-            ("centres", s.centres.is_some(), dials.clone()),
+            ("any-domain", self.any_domain, &one_sign),
+            ("quadric", self.quadric.is_some(), &[ProjectiveDual]),
+            ("regularise", self.regularise.is_some(), &[TangentPlanes]),
+            ("minimal", self.minimal, &[Koebe]),
+            ("boundary = snap", snaps, &movable),
+            ("repeat", self.repeat.is_some(), &movable),
+            ("held vertices", s.holds(), &movable),
+            ("fairness", s.fairness.is_some(), dials),
+            ("closeness", s.closeness.is_some(), dials),
+            ("clearance", s.clearance.is_some(), dials),
+            ("centres", s.centres.is_some(), dials),
             ("solver", s.solver.is_some(), dials),
         ];
         let set = all.into_iter().filter(|(_, set, _)| *set);
-        set.map(|(option, _, by)| Heeded { option, by }).collect()
+        set.map(|(option, _, by)| (option, by.to_vec())).collect()
     }
 
     /// The methods that end with the optimiser; that of tangent planes does where vertices are held
@@ -169,9 +130,8 @@ impl MeshSettings {
             edge_length: whole.edge_length,
             ..self.clone()
         };
-        let others = others.iter().filter(|(_, is_set)| *is_set);
         let mut idle = typed.idle_on_layout(given);
-        idle.extend(others.map(|(name, _)| *name));
+        idle.extend(those_set(others.iter().copied()));
         none_idle(&idle, "`until layout`, which ends before panels are planar")
     }
 
@@ -220,8 +180,7 @@ impl MeshSettings {
             ("min-dihedral", limits.min_dihedral.is_some()),
             ("max-dihedral", limits.max_dihedral.is_some()),
         ];
-        let set = later.into_iter().filter(|(_, set)| *set);
-        set.map(|(option, _)| option).collect()
+        those_set(later).collect()
     }
 
     fn asks_for_symmetry(&self) -> bool {
@@ -251,9 +210,16 @@ impl MeshSettings {
             ("cones", self.guides.cones.is_some()),
             ("seed", self.seed.is_some()),
         ];
-        let set = laid_out.into_iter().filter(|(_, set)| *set);
-        set.map(|(option, _)| option).collect()
+        those_set(laid_out).collect()
     }
+}
+
+/// The names of options that are set.
+fn those_set(
+    options: impl IntoIterator<Item = (&'static str, bool)>,
+) -> impl Iterator<Item = &'static str> {
+    let set = options.into_iter().filter(|(_, is_set)| *is_set);
+    set.map(|(name, _)| name)
 }
 
 /// Refuses the options that sentences say do nothing.
