@@ -18,53 +18,38 @@ pub(super) fn table(fabrication: &Fabrication) -> Table {
         ..
     } = fabrication;
     let panel = |k: usize| ids.panel(plates[k].face).to_owned();
-    let edge = |k: usize| edge_name(mesh, EdgeId::from_index(k));
-    let mut rows = Vec::new();
-    for (k, c) in groups.panels.iter().enumerate() {
-        let values = [c.value * 1e-6, c.spread];
-        rows.push(row(
-            ["panel", &groups.panel_name(k), "m2, spread in mm"],
-            c,
-            values,
-            list(c.members.iter().map(|&m| panel(m))),
-        ));
-    }
-    for (k, c) in groups.lengths.iter().enumerate() {
-        let members = list(c.members.iter().map(|&m| edge(m)));
-        rows.push(row(
-            ["edge length", &groups.length_name(k), "mm"],
-            c,
-            [c.value, c.spread],
-            members,
-        ));
-    }
-    for (k, c) in groups.dihedrals.iter().enumerate() {
-        let values = [c.value, c.spread].map(f64::to_degrees);
-        let members = list(
-            c.members
-                .iter()
-                .map(|&m| edge_name(mesh, groups.inner_edges[m])),
-        );
-        rows.push(row(
-            ["dihedral angle", &groups.dihedral_name(k), "deg"],
-            c,
-            values,
-            members,
-        ));
-    }
-    for (k, c) in groups.corners.iter().enumerate() {
-        let values = [c.value, c.spread].map(f64::to_degrees);
-        let corner = |&m: &usize| {
-            let (plate, corner) = groups.corner_of[m];
-            format!("{}:{}", panel(plate), corner + 1)
-        };
-        rows.push(row(
-            ["corner angle", &groups.corner_name(k), "deg"],
-            c,
-            values,
-            list(c.members.iter().map(corner)),
-        ));
-    }
+    let corner = |k: usize| {
+        let (plate, corner) = groups.corner_of[k];
+        format!("{}:{}", panel(plate), corner + 1)
+    };
+    let degrees = |c: &Cluster| [c.value, c.spread].map(f64::to_degrees);
+    let rows = [
+        rows(
+            ["panel", "m2, spread in mm"],
+            (&groups.panels, |k| groups.panel_name(k)),
+            |c| [c.value * 1e-6, c.spread],
+            panel,
+        ),
+        rows(
+            ["edge length", "mm"],
+            (&groups.lengths, |k| groups.length_name(k)),
+            |c| [c.value, c.spread],
+            |k| edge_name(mesh, EdgeId::from_index(k)),
+        ),
+        rows(
+            ["dihedral angle", "deg"],
+            (&groups.dihedrals, |k| groups.dihedral_name(k)),
+            degrees,
+            |k| edge_name(mesh, groups.inner_edges[k]),
+        ),
+        rows(
+            ["corner angle", "deg"],
+            (&groups.corners, |k| groups.corner_name(k)),
+            degrees,
+            corner,
+        ),
+    ]
+    .concat();
     Table {
         name: "groups",
         head,
@@ -72,19 +57,24 @@ pub(super) fn table(fabrication: &Fabrication) -> Table {
     }
 }
 
-fn row(
-    [kind, name, unit]: [&str; 3],
-    cluster: &Cluster,
-    [value, spread]: [f64; 2],
-    members: Cell,
-) -> Vec<Cell> {
-    vec![
-        kind.into(),
-        name.into(),
-        cluster.members.len().into(),
-        value.into(),
-        unit.into(),
-        spread.into(),
-        members,
-    ]
+/// The rows of the groups of a kind.
+fn rows(
+    [kind, unit]: [&str; 2],
+    (groups, name): (&[Cluster], impl Fn(usize) -> String),
+    values: impl Fn(&Cluster) -> [f64; 2],
+    member: impl Fn(usize) -> String,
+) -> Vec<Vec<Cell>> {
+    let row = |(k, c): (usize, &Cluster)| {
+        let [value, spread] = values(c);
+        vec![
+            kind.into(),
+            name(k).into(),
+            c.members.len().into(),
+            value.into(),
+            unit.into(),
+            spread.into(),
+            list(c.members.iter().map(|&m| member(m))),
+        ]
+    };
+    groups.iter().enumerate().map(row).collect()
 }
