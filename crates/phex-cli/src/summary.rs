@@ -9,7 +9,7 @@ use phex_job::add_features;
 use phex_mesh::ElementId;
 use phex_mesh::measure::{BoundaryFit, Deviation, LEAST_RIM_AREA, MeshMeasures};
 use phex_mesh::{HexMesh, TriangleSurface};
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 
 /// How many offenders of a check are listed; the report holds all of them.
 const LISTED: usize = 10;
@@ -22,15 +22,19 @@ pub struct SummaryTable {
 
 impl SummaryTable {
     /// Adds a line.
-    pub fn row(&mut self, label: &str, text: impl std::fmt::Display) {
-        // Writing to a string does not fail.
-        let _ = writeln!(self.text, "{label:<12} {text}");
+    pub fn row(&mut self, label: &str, text: impl Display) {
+        self.text += &line(label, text);
     }
 
     /// The table.
     pub fn into_text(self) -> String {
         self.text
     }
+}
+
+/// One line.
+fn line(label: &str, text: impl Display) -> String {
+    format!("{label:<12} {text}\n")
 }
 
 /// Figures, deviation and failed checks of a mesh; with `every_check` also the checks that pass.
@@ -81,9 +85,7 @@ pub fn of_verdict(verdict: Verdict) -> String {
         Verdict::OutsideTolerance => "OUTSIDE TOLERANCE",
         Verdict::Invalid => "INVALID",
     };
-    let mut table = SummaryTable::default();
-    table.row("verdict", word);
-    table.into_text()
+    line("verdict", word)
 }
 
 /// The checks that were not made, a line for each reason; none if all were.
@@ -129,9 +131,7 @@ pub fn of_features(
 
 /// What is told though no check fails by it.
 pub fn of_warnings(warnings: impl IntoIterator<Item = String>) -> String {
-    let mut table = SummaryTable::default();
-    warnings.into_iter().for_each(|w| table.row("WARNING", w));
-    table.into_text()
+    warnings.into_iter().map(|w| line("WARNING", w)).collect()
 }
 
 /// How many parts are alike, before edges were made equal and now.
@@ -167,19 +167,15 @@ pub fn of_repetition(report: &RunReport) -> String {
 
 /// What came of wishes, by what each is about.
 pub fn of_wishes(told: &[(&'static str, String)]) -> String {
-    let mut table = SummaryTable::default();
-    told.iter().for_each(|(what, s)| table.row(what, s));
-    table.into_text()
+    told.iter().map(|(what, s)| line(what, s)).collect()
 }
 
 /// Why the mesh was not written.
 pub fn not_written() -> String {
-    let mut table = SummaryTable::default();
-    table.row(
+    line(
         "NOT WRITTEN",
         "the mesh, since it is not valid (--keep-invalid writes it)",
-    );
-    table.into_text()
+    )
 }
 
 /// The files that were written.
