@@ -145,6 +145,8 @@ def test_samples_fill_the_space_and_repeat(dome):
         ({"surface": "no.obj"}, {"time_limit": "soon"}, "soon"),
         ({"surface": "no.obj"}, {"memory_limit": -1}, "memory_limit"),
         ({"surface": "no.obj"}, {"workshop": {"sheet": (1, 2)}}, "thickness"),
+        ({"surface": "no.obj"}, {"workshop": {"thickness": 1, "sheet": ("10%", "8000")}}, "percentage"),
+        ({"surface": "no.obj"}, {"workshop": {"thickness": 1, "sheet": "big"}}, "no sheet"),
         ({"surface": "no.obj"}, {"executor": 3}, "submit"),
         ("roof", {}, "space"),
         ([{"surface": "no.obj"}], {"sample": "random", "count": 3}, "list"),

@@ -4,9 +4,8 @@ use crate::exit::EXIT_CODES;
 use crate::shared_arguments::Talk;
 use clap::{Args, ValueEnum};
 use phex_fab::{FabOptions, Rotations, Side};
-use phex_job::{Quantity, Unit};
+use phex_job::{Quantity, SheetSize, Unit, WorkshopLength};
 use std::path::PathBuf;
-use std::str::FromStr;
 
 /// Arguments of `phex fab`.
 #[derive(Debug, Args)]
@@ -31,7 +30,7 @@ pub struct FabCommand {
     /// Unit of the model's coordinates [default: that of `--limits`, or m]
     #[arg(long, value_enum)]
     pub unit: Option<Unit>,
-    /// Size of a sheet: `1250x2500` in millimetres, or with units, `4ftx8ft`
+    /// Size of a sheet: `1250x2500` in millimetres, or with a unit, `4x8ft`
     #[arg(
         long,
         value_name = "WIDTHxLENGTH",
@@ -45,10 +44,9 @@ pub struct FabCommand {
         long,
         value_name = "LENGTH",
         default_value = "5mm",
-        value_parser = spacing,
         help_heading = "Sheets"
     )]
-    pub spacing: Quantity,
+    pub spacing: WorkshopLength,
     /// How panels may be turned on a sheet: `free`, or angles in degrees, e.g. `0,180`
     #[arg(long, value_name = "LIST", default_value = "free", value_parser = rotations, allow_hyphen_values = true, help_heading = "Sheets")]
     pub rotations: Rotations,
@@ -67,7 +65,7 @@ pub struct FabCommand {
         default_value = "25mm",
         help_heading = "Sheets"
     )]
-    pub text: Quantity,
+    pub text: WorkshopLength,
     /// Distance of corners up to which panels are the same, and spread of lengths that are the
     /// same; a plain number is in millimetres
     #[arg(
@@ -76,7 +74,7 @@ pub struct FabCommand {
         default_value = "1mm",
         help_heading = "Groups"
     )]
-    pub tolerance: Quantity,
+    pub tolerance: WorkshopLength,
     /// Spread of angles that are the same, in degrees
     #[arg(
         long,
@@ -125,63 +123,6 @@ impl From<PanelSide> for Side {
     }
 }
 
-/// Longest side of a sheet, millimetres: a kilometre, which nobody makes.
-const LARGEST_SHEET: f64 = 1e6;
-
-/// A width and a length.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SheetSize([Quantity; 2]);
-
-impl SheetSize {
-    /// The two lengths in millimetres, the longer first.
-    pub fn millimetres(self) -> [f64; 2] {
-        let [a, b] = self.0.map(millimetres);
-        [a.max(b), a.min(b)]
-    }
-}
-
-impl FromStr for SheetSize {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (a, b) = text
-            .split_once(['x', 'X'])
-            .ok_or("write WIDTHxLENGTH, e.g. 1250x2500")?;
-        let side = |part: &str| {
-            let quantity = part.parse::<Quantity>().map_err(|e| e.to_string())?;
-            let side = millimetres(quantity);
-            if side.is_nan() {
-                return Err("the size of a sheet can't be a percentage".to_owned());
-            }
-            if side > LARGEST_SHEET {
-                return Err(format!(
-                    "a sheet is at most {LARGEST_SHEET} mm wide and long"
-                ));
-            }
-            Ok(quantity)
-        };
-        Ok(Self([side(a)?, side(b)?]))
-    }
-}
-
-/// A length of the workshop: a plain number is in millimetres, a percentage has no meaning and
-/// gives not a number.
-pub fn millimetres(quantity: Quantity) -> f64 {
-    quantity.length(Unit::Mm, f64::NAN)
-}
-
-/// A spacing that leaves room for panels on some sheet.
-fn spacing(text: &str) -> Result<Quantity, String> {
-    let spacing = text.parse::<Quantity>().map_err(|e| e.to_string())?;
-    // What has no length at all, a percentage, is refused by its name later.
-    match millimetres(spacing) > LARGEST_SHEET {
-        false => Ok(spacing),
-        true => Err(format!(
-            "`{text}` is no length of at most {LARGEST_SHEET} mm"
-        )),
-    }
-}
-
 fn rotations(text: &str) -> Result<Rotations, String> {
     if text == "free" {
         return Ok(Rotations::Free);
@@ -201,16 +142,6 @@ fn rotations(text: &str) -> Result<Rotations, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn sheets_in_any_unit_and_order() {
-        let size = |text: &str| text.parse::<SheetSize>().map(SheetSize::millimetres);
-        assert_eq!(size("1250x2500").unwrap(), [2500.0, 1250.0]);
-        assert_eq!(size("2.5mx1250mm").unwrap(), [2500.0, 1250.0]);
-        assert!(size("1250").is_err() && size("ax2").is_err() && size("-1x2").is_err());
-        assert!(size("10%x2").unwrap_err().contains("percentage"));
-        assert!(size("1e300x1e300").unwrap_err().contains("at most"));
-    }
 
     #[test]
     fn rotations_are_free_or_angles() {

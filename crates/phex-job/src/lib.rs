@@ -39,6 +39,7 @@ mod panel_size;
 mod portfolio;
 mod run;
 mod settings;
+mod sheet;
 mod size_field;
 mod steering;
 mod suggestion;
@@ -68,6 +69,7 @@ pub use run::{JobResult, LAYOUT_ALONE, LastStage, MeshJob, add_features, lay_out
 pub use settings::{
     AtBoundary, CloseTo, DEFAULT_DEVIATION, LayoutMethod, MeshSettings, TypedPanelSize,
 };
+pub use sheet::{NoSheet, NoWorkshopLength, SheetSize, WorkshopLength};
 pub use steering::{SteeringSettings, TypedPlane, TypedSolver, positive};
 pub use suggestion::{Suggestion, SurfaceKind};
 pub use threads::thread_count;

@@ -80,6 +80,14 @@ pub struct NoQuantity {
 }
 
 impl Quantity {
+    /// A plain number.
+    pub(crate) const fn plain(value: f64) -> Self {
+        Self {
+            value,
+            suffix: Suffix::Plain,
+        }
+    }
+
     /// A percentage.
     pub const fn percent(value: f64) -> Self {
         Self {
@@ -178,6 +186,11 @@ pub struct NoSize {
 }
 
 impl Rectangle {
+    /// Both sides as they are typed.
+    pub(crate) fn typed(self) -> [Quantity; 2] {
+        self.0
+    }
+
     /// Both sides in model units.
     pub fn sides(self, model_unit: Unit, whole: f64) -> [f64; 2] {
         self.0.map(|q| q.length(model_unit, whole))

@@ -5,13 +5,10 @@ use crate::inputs::Inputs;
 use phex::Progress;
 use phex_fab::folder::{files, summary};
 use phex_fab::{FabError, FabOptions, PanelIds, Rotations, Side, fabricate, valid_mesh};
-use phex_job::{JobError, MeshSettings, Quantity, Unit, chain};
+use phex_job::{JobError, MeshSettings, Quantity, SheetSize, Unit, WorkshopLength, chain};
 use phex_mesh::ValidateOptions;
 use serde::Deserialize;
 use std::path::PathBuf;
-
-/// Longest side of a sheet, millimetres: a kilometre, which nobody makes.
-const LARGEST_SHEET: f64 = 1e6;
 
 /// Options of `phex.fabricate`.
 #[derive(Deserialize)]
@@ -23,7 +20,7 @@ pub struct WorkshopRequest {
     unit: Option<Unit>,
     /// That of the run which made the mesh.
     mesh_unit: Option<Unit>,
-    sheet: [Quantity; 2],
+    sheet: SheetSize,
     spacing: Quantity,
     rotations: Option<Vec<f64>>,
     nest_effort: u32,
@@ -56,10 +53,6 @@ pub fn fabricated(
     progress: &dyn Progress,
 ) -> Result<Answer, JobError> {
     let mesh = inputs.panels()?;
-    let [a, b] = [
-        millimetres("sheet", request.sheet[0])?,
-        millimetres("sheet", request.sheet[1])?,
-    ];
     let limits = request.limits.as_deref().map(MeshSettings::from_file);
     let limits = limits.transpose()?.unwrap_or_default();
     limits.check()?;
@@ -72,7 +65,7 @@ pub fn fabricated(
         gap: request.gap.map_or(0.0, |gap| gap.length(unit, size)),
         side: request.side,
         unit_mm: unit.metres() / Unit::Mm.metres(),
-        sheet_mm: [a.max(b), a.min(b)],
+        sheet_mm: request.sheet.millimetres(),
         spacing_mm: millimetres("spacing", request.spacing)?,
         rotations: request
             .rotations
@@ -98,13 +91,9 @@ pub fn fabricated(
 
 /// A length of the workshop: a plain number is in millimetres.
 fn millimetres(name: &str, quantity: Quantity) -> Result<f64, JobError> {
-    let length = quantity.length(Unit::Mm, f64::NAN);
-    match length <= LARGEST_SHEET {
-        true => Ok(length),
-        false => Err(JobError::Input(format!(
-            "{name}: `{quantity}` is no length of at most {LARGEST_SHEET} mm"
-        ))),
-    }
+    let length = WorkshopLength::try_from(quantity);
+    let length = length.map_err(|e| JobError::Input(format!("{name}: {e}")))?;
+    Ok(length.millimetres())
 }
 
 fn failure(error: FabError) -> JobError {

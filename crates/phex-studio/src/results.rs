@@ -12,7 +12,7 @@ use phex_fab::{FabError, FabOptions, PanelIds, Side, fabricate, valid_mesh};
 use phex_html::{
     CurveFamily, PackedArray, Report, Viewer, ViewerData, conjugate_curves, page, viewer_data,
 };
-use phex_job::{JobResult, Quantity, Unit, in_file};
+use phex_job::{JobResult, Quantity, SheetSize, Unit, in_file};
 use phex_mesh::io::{Format, write_soup_to};
 use phex_picture::maps::{ColourMap, Map, Range, Subject};
 use phex_picture::{PictureOptions, draw_map, draw_svg};
@@ -128,7 +128,7 @@ pub struct WorkshopWish {
     thickness: Option<String>,
     gap: Option<String>,
     side: Option<Side>,
-    /// Width and length of a sheet, millimetres, with an `x` between.
+    /// Width and length of a sheet, as they are typed.
     sheet: Option<String>,
 }
 
@@ -301,14 +301,9 @@ impl RunResult {
         options.thickness = quantity("thickness", &wish.thickness)?.ok_or_else(missing)?;
         options.gap = quantity("gap", &wish.gap)?.unwrap_or(0.0);
         if let Some(sheet) = &wish.sheet {
-            let sides = sheet.split_once('x').and_then(|(a, b)| {
-                let side = |text: &str| text.trim().parse::<f64>().ok();
-                Some([side(a)?, side(b)?])
-            });
-            let [a, b] = sides.ok_or_else(|| {
-                RefusedRequest::unusable("sheet: write 1250x2500, in millimetres")
-            })?;
-            options.sheet_mm = [a.max(b), a.min(b)];
+            let sheet = sheet.parse::<SheetSize>();
+            let sheet = sheet.map_err(|e| RefusedRequest::unusable(format!("sheet: {e}")))?;
+            options.sheet_mm = sheet.millimetres();
         }
         let planarity = self.made.limits.planarity;
         options.validity.planarity =

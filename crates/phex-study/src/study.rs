@@ -196,7 +196,11 @@ fn steps(name: &str, range: &Map<String, Value>) -> Result<Vec<Value>, JobError>
     }
     let given = |key: &str| {
         let value = range.get(key);
-        value.ok_or_else(|| wrong(format!("`{key}` is missing beside from, to and count")))
+        value.ok_or_else(|| {
+            wrong(format!(
+                "`{key}` is missing beside from, to and count"
+            ))
+        })
     };
     let number = |key: &str| {
         let value = given(key)?;
@@ -425,6 +429,10 @@ mod tests {
                 "count",
             ),
             ("surfaces = ['a']\n[limits]\ntime = 'soon'", "soon"),
+            (
+                "surfaces = ['a']\n[workshop]\nthickness = '1mm'\nsheet = ['10%', '8000']",
+                "`10%` is a percentage",
+            ),
             (
                 "surfaces = ['a']\n[space]\npanels = [1]\n[[variants]]\npanels = 2",
                 "exclude",

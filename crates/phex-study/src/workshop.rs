@@ -1,7 +1,7 @@
 //! What a variant's panels mean to a workshop.
 
 use phex_fab::{FabOptions, PanelIds, fabricate, folder, valid_mesh};
-use phex_job::{Quantity, Unit, chain};
+use phex_job::{Quantity, SheetSize, Unit, chain};
 use phex_mesh::{HexMesh, ValidateOptions};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -12,19 +12,12 @@ use serde_json::{Map, Value, json};
 pub struct Workshop {
     /// Thickness of the panels, in model units or with a unit.
     pub thickness: Quantity,
-    /// The two sides of a sheet.
-    #[serde(default = "usual_sheet")]
-    pub sheet: [Quantity; 2],
+    /// The sides of a sheet.
+    #[serde(default)]
+    pub sheet: SheetSize,
     /// Rounds of exchanges that make sheets fuller; 0 is fast, 60 what `phex fab` does.
     #[serde(default)]
     pub nest_effort: u32,
-}
-
-fn usual_sheet() -> [Quantity; 2] {
-    ["2500", "1250"].map(|side| {
-        // Both are numbers.
-        side.parse().unwrap_or(Quantity::percent(0.0))
-    })
 }
 
 /// Adds what sheets and parts a valid mesh needs to a row, or why it can't be made.
@@ -49,11 +42,10 @@ fn made(
     unit: Unit,
     progress: &dyn phex::Progress,
 ) -> Result<Map<String, Value>, String> {
-    let [a, b] = workshop.sheet.map(|side| side.length(Unit::Mm, f64::NAN));
     let options = FabOptions {
         thickness: workshop.thickness.length(unit, mesh.diagonal()),
         unit_mm: unit.metres() / Unit::Mm.metres(),
-        sheet_mm: [a.max(b), a.min(b)],
+        sheet_mm: workshop.sheet.millimetres(),
         nest_effort: workshop.nest_effort,
         ..FabOptions::default()
     };

@@ -2,7 +2,6 @@
 
 import json
 import os
-import re
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
@@ -720,9 +719,6 @@ def fabricate(
     (True, True)
     """
     panels = as_polygons(mesh, Mesh, "mesh")
-    sides = re.split("[xX]", sheet) if isinstance(sheet, str) else sheet
-    if not isinstance(sides, (list, tuple)) or len(sides) != 2:
-        raise InputError(f"sheet: {shown(sheet)} is not WIDTHxLENGTH")
     free = isinstance(rotations, str) and rotations == "free"
     angles = None if free else checked_numbers(rotations, "rotations").tolist()
     if angles == []:
@@ -733,7 +729,7 @@ def fabricate(
         "side": checked("side", side, Option("choice", choices=("inside", "outside", "centre"))),
         "unit": None if unit is None else checked("unit", unit, _options.MESH["unit"]),
         "mesh_unit": panels._unit,
-        "sheet": [measured("sheet", s) for s in sides],
+        "sheet": _options.sheet(sheet),
         "spacing": measured("spacing", spacing),
         "rotations": angles,
         "nest_effort": whole("nest_effort", nest_effort, (1 << 32) - 1),

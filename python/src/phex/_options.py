@@ -219,6 +219,15 @@ def _rectangle(name: str, value: Any) -> str:
     return "x".join(side if isinstance(side, str) else repr(side) for side in both)
 
 
+def sheet(value: Any) -> Any:
+    """A sheet, as text or as a pair of lengths; what is no sheet is told by the compiled part."""
+    if isinstance(value, str):
+        return value
+    if not isinstance(value, (list, tuple)) or len(value) != 2:
+        raise _wrong("sheet", value, "a sheet such as '1250x2500' or (1250, 2500)")
+    return [measured("sheet", side) for side in value]
+
+
 RECTANGLE = "two sides, such as '1.5x3.0m' or (1.5, 3.0)"
 
 

@@ -395,11 +395,7 @@ def _workshop(workshop: Any) -> Dict[str, Any]:
         raise InputError(f"workshop: {shown(workshop)} has no thickness, or more than sheet and nest_effort")
     made: Dict[str, Any] = {"thickness": measured("thickness", workshop["thickness"])}
     if "sheet" in workshop:
-        sides = workshop["sheet"]
-        sides = sides.lower().split("x") if isinstance(sides, str) else list(sides)
-        if len(sides) != 2:
-            raise InputError(f"sheet: {shown(workshop['sheet'])} is not WIDTHxLENGTH")
-        made["sheet"] = [measured("sheet", side) for side in sides]
+        made["sheet"] = _options.sheet(workshop["sheet"])
     made["nest_effort"] = whole("nest_effort", workshop.get("nest_effort", 0), (1 << 32) - 1)
     # Lengths are text for the compiled part, as in a study file.
     return json.loads(json.dumps(made))  # type: ignore[no-any-return]

@@ -2,7 +2,7 @@
 
 use super::{tell, use_threads};
 use crate::exit::{Exit, Failure};
-use crate::fab_arguments::{FabCommand, millimetres};
+use crate::fab_arguments::FabCommand;
 use crate::output::given;
 use crate::output_folder::{Extent, OutputFolder};
 use crate::progress::Reporter;
@@ -60,12 +60,12 @@ fn options(command: &FabCommand, mesh: &HexMesh) -> Result<FabOptions, Failure> 
         side: command.side.into(),
         unit_mm: unit.metres() / Unit::Mm.metres(),
         sheet_mm: command.sheet.millimetres(),
-        spacing_mm: millimetres(command.spacing),
+        spacing_mm: command.spacing.millimetres(),
         rotations: command.rotations.clone(),
         nest_effort: command.nest_effort,
-        tolerance_mm: millimetres(command.tolerance),
+        tolerance_mm: command.tolerance.millimetres(),
         angle_tolerance: command.angle_tolerance.to_radians(),
-        text_mm: millimetres(command.text),
+        text_mm: command.text.millimetres(),
         limits: limits.limits.in_units(unit, size),
         validity: ValidateOptions {
             planarity,
