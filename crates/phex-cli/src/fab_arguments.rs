@@ -24,7 +24,8 @@ pub struct FabCommand {
     /// Width of the joints between panels, in the planes of their faces [default: 0]
     #[arg(long, value_name = "LENGTH")]
     pub gap: Option<Quantity>,
-    /// Where the thickness goes from the mesh
+    /// Where the thickness goes from the mesh; sheets show the panels' upper faces, on the side of
+    /// the normals (layer CUT), beyond which the lower ones reach where a mitre is negative
     #[arg(long, value_enum, default_value_t)]
     pub side: PanelSide,
     /// Unit of the model's coordinates [default: that of `--limits`, or m]
@@ -58,7 +59,7 @@ pub struct FabCommand {
         help_heading = "Sheets"
     )]
     pub nest_effort: u32,
-    /// Largest height of engraved text; a plain number is in millimetres
+    /// Largest height of engraved text, 3.4mm or more; a plain number is in millimetres
     #[arg(
         long,
         value_name = "LENGTH",

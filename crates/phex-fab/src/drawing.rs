@@ -3,7 +3,7 @@
 //!
 //! | layer | what is on it |
 //! |---|---|
-//! | `CUT` | outlines of the panels' upper faces; the blade is tilted by the mitre angle of each side |
+//! | `CUT` | outlines of the panels' upper faces (the side of the normals); the blade is tilted by the mitre angle of each side, and where that is negative the lower face reaches beyond |
 //! | `ENGRAVE` | the panel's name, the neighbour's name at each side |
 //! | `LABEL` | mitre angles in degrees beside the neighbours' names; not for the machine |
 //! | `SHEET` | the sheet's border and title |
@@ -20,6 +20,9 @@ use std::fmt::Write as _;
 
 /// Height of a sheet's title, over the sheet's width.
 const TITLE: f64 = 0.02;
+
+/// What a sheet says of its lines.
+const FACE: &str = "CUT: UPPER FACES, NEGATIVE MITRES WIDEN BELOW";
 
 /// Path of a sheet's drawing, without extension.
 pub fn sheet_name(fabrication: &Fabrication, number: usize) -> String {
@@ -39,10 +42,14 @@ pub fn sheet(fabrication: &Fabrication, number: usize, texts: &[PanelText]) -> V
     };
     let mut lines = vec![line(Layer::Sheet, border.to_vec(), true)];
     let size = TITLE * width.min(height);
-    let below = Vec2::new(0.0, -2.0 * size);
-    let title = strokes(&written(&title(fabrication, number)), size);
-    let moved = |s: Vec<Vec2>| line(Layer::Sheet, s.iter().map(|p| p + below).collect(), false);
-    lines.extend(title.into_iter().map(moved));
+    for (row, text) in [title(fabrication, number), FACE.to_owned()]
+        .iter()
+        .enumerate()
+    {
+        let below = Vec2::new(0.0, -2.0 * (row + 1) as f64 * size);
+        let moved = |s: Vec<Vec2>| line(Layer::Sheet, s.iter().map(|p| p + below).collect(), false);
+        lines.extend(strokes(&written(text), size).into_iter().map(moved));
+    }
     for placement in &fabrication.sheets[number] {
         let plate = &fabrication.plates[placement.plate];
         lines.push(line(Layer::Cut, placement.apply(&plate.top), true));

@@ -185,7 +185,6 @@ fn check(options: &FabOptions) -> Result<(), FabError> {
         ("the sheet's width", options.sheet_mm[1]),
         ("the tolerance", options.tolerance_mm),
         ("the angle tolerance", options.angle_tolerance),
-        ("the text height", options.text_mm),
     ];
     let bad = |value: f64, least: f64| !(value.is_finite() && value >= least);
     if let Some(&(name, value)) = positive.iter().find(|(_, v)| bad(*v, f64::MIN_POSITIVE)) {
@@ -199,14 +198,21 @@ fn check(options: &FabOptions) -> Result<(), FabError> {
         ("the gap", options.gap),
         ("the spacing", options.spacing_mm),
     ];
-    match not_negative.iter().find(|(_, v)| bad(*v, 0.0)) {
-        Some(&(name, value)) => Err(FabError::Option {
+    if let Some(&(name, value)) = not_negative.iter().find(|(_, v)| bad(*v, 0.0)) {
+        return Err(FabError::Option {
             name,
             range: "a finite number of at least 0",
             value,
-        }),
-        None => check_room(options),
+        });
     }
+    if bad(options.text_mm, labels::LEAST) {
+        return Err(FabError::Option {
+            name: "the text height",
+            range: "at least 3.4 mm, as smaller engraving can't be read",
+            value: options.text_mm,
+        });
+    }
+    check_room(options)
 }
 
 fn check_room(options: &FabOptions) -> Result<(), FabError> {
@@ -295,5 +301,19 @@ mod tests {
         }
         assert!(checked([10.1, 10.1], 5.0).is_ok());
         assert!(checked([5.0, 5.0], 0.0).is_ok());
+    }
+
+    #[test]
+    fn a_text_height_that_can_t_be_the_largest_is_refused() {
+        let checked = |text_mm| {
+            check(&FabOptions {
+                text_mm,
+                ..FabOptions::default()
+            })
+        };
+        assert!(checked(labels::LEAST).is_ok());
+        let told = checked(2.0).unwrap_err().to_string();
+        let least = format!("at least {} mm", labels::LEAST);
+        assert!(told.contains(&least), "{told}");
     }
 }

@@ -1,4 +1,5 @@
-//! Groups of panels, edges and angles, with names.
+//! Groups of panels, edges and angles, with names that hold a dash, which no panel's own has:
+//! a panel in row T may be `T1`, and the first type is `T-1`.
 
 use crate::options::FabOptions;
 use crate::plate::Plate;
@@ -69,22 +70,22 @@ impl Groups {
 
     /// Name of a group of panels.
     pub fn panel_name(&self, group: usize) -> String {
-        format!("T{}", group + 1)
+        format!("T-{}", group + 1)
     }
 
     /// Name of a group of lengths.
     pub fn length_name(&self, group: usize) -> String {
-        format!("L{}", group + 1)
+        format!("L-{}", group + 1)
     }
 
     /// Name of a group of dihedral angles.
     pub fn dihedral_name(&self, group: usize) -> String {
-        format!("D{}", group + 1)
+        format!("D-{}", group + 1)
     }
 
     /// Name of a group of corner angles.
     pub fn corner_name(&self, group: usize) -> String {
-        format!("C{}", group + 1)
+        format!("C-{}", group + 1)
     }
 
     /// Name of the group of a panel.

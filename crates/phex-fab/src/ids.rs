@@ -23,6 +23,7 @@ use std::collections::HashSet;
 pub struct PanelIds {
     names: PerFace<String>,
     has_rows: bool,
+    kept: Option<usize>,
 }
 
 impl PanelIds {
@@ -37,6 +38,7 @@ impl PanelIds {
         Self {
             names: rows.as_ref().map_or_else(numbered, named),
             has_rows: rows.is_some(),
+            kept: None,
         }
     }
 
@@ -61,6 +63,7 @@ impl PanelIds {
         Self {
             names: PerFace::from_fn(mesh.topology().n_faces(), name),
             has_rows: fresh.has_rows,
+            kept: Some(kept.iter().flatten().count()),
         }
     }
 
@@ -72,6 +75,11 @@ impl PanelIds {
     /// The names of all panels, in the order of the faces.
     pub fn into_names(self) -> Vec<String> {
         self.names.into_vec()
+    }
+
+    /// How many panels keep a name of an earlier run, where there is one.
+    pub fn kept(&self) -> Option<usize> {
+        self.kept
     }
 
     /// Whether the mesh has rows.
@@ -226,6 +234,7 @@ mod tests {
         let cut = HexMesh::new(positions, &faces).unwrap();
         assert_eq!(PanelIds::new(&cut).panel(FaceId::new(0)), "A1");
         let kept = PanelIds::keeping(&cut, &previous);
+        assert_eq!((kept.kept(), ids.kept()), (Some(8), None));
         assert_eq!(
             (kept.panel(FaceId::new(0)), kept.panel(FaceId::new(7))),
             ("B1", "C4")

@@ -17,8 +17,8 @@ use phex_picture::strokes;
 const SIDE: f64 = 0.6;
 /// Free room round a text, over its height.
 const MARGIN: f64 = 0.35;
-/// Least height of a panel's name, in mm.
-const LEAST: f64 = 3.4;
+/// Least height of a panel's name, in mm: the names at its sides are smaller.
+pub const LEAST: f64 = 3.4;
 /// Largest height over the radius of the largest circle in the panel.
 const OF_RADIUS: f64 = 0.5;
 /// Ratio of successive heights.

@@ -84,6 +84,12 @@ impl Plate {
         signed_area(&self.top)
     }
 
+    /// How far the lower face reaches beyond the sides of the upper one, in mm; 0 where it does not.
+    pub fn beyond(&self) -> f64 {
+        let shifts = shifts(&self.top, &self.bottom);
+        shifts.into_iter().flatten().fold(0.0, f64::max)
+    }
+
     /// Lengths of the upper face's sides, in mm.
     pub fn lengths(&self) -> Vec<f64> {
         sides(&self.top).map(|[a, b]| (b - a).norm()).collect()
@@ -133,5 +139,29 @@ impl PlateFrame {
     fn project(&self, p: Vec3) -> Vec2 {
         let d = p - self.origin;
         Vec2::new(d.dot(&self.axes[0]), d.dot(&self.axes[1]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lower_face_reaches_beyond_by_its_farthest_side() {
+        let rectangle = |x: f64, y: f64| {
+            [[-x, -y], [x, -y], [x, y], [-x, y]]
+                .map(|[x, y]| Vec2::new(x, y))
+                .to_vec()
+        };
+        let plate = |bottom: Vec<Vec2>| Plate {
+            face: FaceId::new(0),
+            top: rectangle(10.0, 10.0),
+            outline: bottom.clone(),
+            bottom,
+            sides: Vec::new(),
+            thickness: 5.0,
+        };
+        assert_eq!(plate(rectangle(12.0, 7.0)).beyond(), 2.0);
+        assert_eq!(plate(rectangle(8.0, 7.0)).beyond(), 0.0);
     }
 }

@@ -8,12 +8,14 @@ use crate::output_folder::{Extent, OutputFolder};
 use crate::progress::Reporter;
 use crate::summary::SummaryTable;
 use phex_fab::folder::{files, summary};
+use phex_fab::plate::Plate;
 use phex_fab::schedule::panel_centres;
 use phex_fab::{FabError, FabOptions, Fabrication, PanelIds, fabricate, valid_mesh};
 use phex_job::MeshFile;
 use phex_job::MeshSettings;
 use phex_job::Unit;
 use phex_mesh::{HexMesh, ValidateOptions};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Runs the command.
@@ -41,7 +43,7 @@ pub fn run(command: &FabCommand) -> Result<Exit, Failure> {
     let fabrication = fabrication.map_err(failure)?;
     let files = files(&fabrication).map_err(failure)?;
     folder.write(&files)?;
-    tell(command.talk.quiet, &text(&fabrication, &command.output))?;
+    tell(command.talk.quiet, &text(&fabrication, command))?;
     Ok(Exit::Success)
 }
 
@@ -103,8 +105,10 @@ fn failure(error: FabError) -> Failure {
 
 /// Most panels that a line of the table names; the `panels` schedule has all.
 const NAMED: usize = 6;
+/// Reach of a lower face beyond the upper one that is told, in mm.
+const NOTICED: f64 = 0.1;
 
-fn text(fabrication: &Fabrication, folder: &Path) -> String {
+fn text(fabrication: &Fabrication, command: &FabCommand) -> String {
     let summary = summary(fabrication);
     let number = |name: &str| summary[name].as_f64().unwrap_or(f64::NAN);
     let mut table = SummaryTable::default();
@@ -138,23 +142,66 @@ fn text(fabrication: &Fabrication, folder: &Path) -> String {
             number("use_without_last_offcut_percent")
         ),
     );
-    if let Some(line) = without_room(fabrication) {
-        table.row("no room", line);
+    let lines = [
+        ("names", nothing_kept(command, fabrication)),
+        ("CUT", beyond(fabrication)),
+        ("no room", without_room(fabrication)),
+    ];
+    for (name, line) in lines {
+        if let Some(line) = line {
+            table.row(name, line);
+        }
     }
-    table.row("written", folder.display());
+    table.row("written", command.output.display());
     table.into_text()
 }
 
-/// How panels are named.
+/// How panels are named: by the letters of their rows, by numbers, or as in an earlier run.
 fn naming(fabrication: &Fabrication) -> String {
-    let name = |k: usize| fabrication.ids.panel(fabrication.plates[k].face);
-    let (first, last) = (name(0), name(fabrication.plates.len() - 1));
-    let rows = if fabrication.ids.has_rows() {
-        "named by rows, "
-    } else {
-        ""
+    let ids = &fabrication.ids;
+    let names = || fabrication.plates.iter().map(|plate| ids.panel(plate.face));
+    if let Some(kept) = ids.kept() {
+        return format!("{kept} of their names kept");
+    }
+    if ids.has_rows() {
+        // The shorter letters come first: AA after Z.
+        let row = |name: &'_ str| {
+            name.trim_end_matches(|c: char| c.is_ascii_digit())
+                .to_owned()
+        };
+        let rows: BTreeSet<(usize, String)> = names().map(row).map(|r| (r.len(), r)).collect();
+        let [first, last] = [rows.first(), rows.last()].map(|r| r.map_or("", |(_, row)| row));
+        return format!("named by rows, {first} to {last}");
+    }
+    let [first, last] = [names().next(), names().last()].map(Option::unwrap_or_default);
+    format!("{first} to {last}")
+}
+
+/// That no panel keeps a name, where names were to be kept.
+fn nothing_kept(command: &FabCommand, fabrication: &Fabrication) -> Option<String> {
+    let path = command
+        .keep_ids
+        .as_ref()
+        .filter(|_| fabrication.ids.kept() == Some(0))?;
+    Some(format!(
+        "of {} fit no panel, all are new: none is within half a mean edge of one there",
+        path.display()
+    ))
+}
+
+/// How far lower faces reach beyond the upper ones, which are what is drawn to cut.
+fn beyond(fabrication: &Fabrication) -> Option<String> {
+    let beyond = fabrication.plates.iter().map(Plate::beyond);
+    let all: Vec<f64> = beyond.filter(|&mm| mm >= NOTICED).collect();
+    let most = all.iter().copied().fold(0.0, f64::max);
+    let panels = match all.len() {
+        0 => return None,
+        1 => "one panel".to_owned(),
+        n => format!("{n} panels"),
     };
-    format!("{rows}{first} to {last}")
+    Some(format!(
+        "is the upper faces; the lower ones of {panels} reach beyond, up to {most:.1} mm"
+    ))
 }
 
 fn mitres(fabrication: &Fabrication) -> String {

@@ -32,7 +32,7 @@ fn a_honeycomb_is_named_by_rows_and_is_one_panel_twelve_times() {
     let run = shop.succeed("fab m.obj --thickness 10mm --planarity 1e-9 -o out");
     assert!(
         run.stdout
-            .contains("12, 1 distinct (named by rows, A1 to C4), "),
+            .contains("12, 1 distinct (named by rows, A to C), "),
         "{}",
         run.stdout
     );
@@ -73,7 +73,10 @@ fn what_can_t_be_built_is_refused_by_name() {
         &["panel A1", "does not fit", "11 more"],
     );
     refused(&shop, &fab("--gap 1"), 5, &["panel A1", "gap"]);
-    refused(&shop, &fab("--spacing 10%"), 4, &["spacing"]);
+    for option in ["--spacing", "--text", "--tolerance"] {
+        let told = [option, "`10%` is a percentage"];
+        refused(&shop, &fab(&format!("{option} 10%")), 2, &told);
+    }
     refused(&shop, "fab m.obj --thickness 0 -o out", 4, &["thickness"]);
     shop.write(
         "m.obj",
@@ -174,9 +177,22 @@ fn names_that_can_t_be_kept_are_refused_with_their_line() {
         );
     }
     shop.write("old.csv", table.replacen("\nA1,", "\nNORTH-1,", 1));
-    shop.succeed(
+    let run = shop.succeed(
         "fab m.obj --thickness 10mm --planarity 1e-9 --nest-effort 0 -o out --keep-ids old.csv",
     );
+    assert!(
+        run.stdout.contains("(12 of their names kept)"),
+        "{}",
+        run.stdout
+    );
+    // The same table for a model elsewhere.
+    let elsewhere = honeycomb(3, 4, |_, [x, y, z]| [0.1 * x + 50.0, 0.1 * y, 0.1 * z]);
+    shop.write("far.obj", elsewhere);
+    let run = shop.succeed(
+        "fab far.obj --thickness 10mm --planarity 1e-9 --nest-effort 0 -o far --keep-ids old.csv",
+    );
+    let told = "names        of old.csv fit no panel";
+    assert!(run.stdout.contains(told), "{}", run.stdout);
     assert!(
         shop.read("out/panels.csv")
             .windows(9)
