@@ -3,6 +3,7 @@
 use crate::error::JobError;
 use crate::hexagon::hexagon_area;
 use crate::units::{Area, Quantity, Rectangle, Unit};
+use phex::ranges::{self, BadOption};
 use phex_mesh::PanelLimits;
 use serde::{Deserialize, Serialize};
 
@@ -86,7 +87,8 @@ impl LimitSettings {
         }
     }
 
-    /// Refuses a least figure above the largest one, in the words in which they were typed.
+    /// Refuses a figure that nothing can meet, and a least one above the largest one, in the words
+    /// in which they were typed.
     ///
     /// # Errors
     /// If there are such figures.
@@ -102,11 +104,29 @@ impl LimitSettings {
             .min_dihedral
             .zip(self.max_dihedral)
             .filter(|(a, b)| a > b);
+        self.check_ranges().map_err(JobError::input)?;
         let edges = edges.map(|(a, b)| format!("min-edge {a} is more than max-edge {b}"));
         let joints = joints.map(|(a, b)| format!("min-dihedral {a} is more than max-dihedral {b}"));
         edges
             .or(joints)
             .map_or(Ok(()), |told| Err(JobError::input(told)))
+    }
+
+    fn check_ranges(&self) -> Result<(), BadOption> {
+        let joints = [
+            ("min-dihedral", self.min_dihedral.unwrap_or(180.0)),
+            ("max-dihedral", self.max_dihedral.unwrap_or(180.0)),
+        ];
+        let edges = [
+            ("min-edge", self.min_edge.map_or(1.0, Quantity::value)),
+            ("max-edge", self.max_edge.map_or(1.0, Quantity::value)),
+        ];
+        let aspect = ("max-aspect", self.max_aspect.unwrap_or(1.0));
+        ranges::positive(&joints)?;
+        ranges::positive(&edges)?;
+        ranges::within(0.0..=180.0, &joints)?;
+        ranges::within(1.0..=ranges::LARGEST_WEIGHT, &[aspect])?;
+        ranges::below(180.0, &[("min-angle", self.min_angle.unwrap_or(1.0))])
     }
 
     /// Area of a mean panel that leaves room below the limits of size; `None` where there is none.
@@ -177,6 +197,24 @@ mod tests {
         assert!(sheet < area("max-panel = '4x4'").unwrap());
         assert_eq!(area("max-panel = '2x4'\nmax-edge = 100"), Some(sheet));
         assert!(area("max-panel = '2x4'\nmax-edge = 0.5").unwrap() < sheet);
+    }
+
+    #[test]
+    fn what_nothing_can_meet_is_refused_by_its_option() {
+        let told = |text: &str| {
+            let limits: LimitSettings = toml::from_str(text).unwrap();
+            limits.check(Unit::M).map_err(|e| e.to_string())
+        };
+        for (option, value) in [
+            ("min-angle", "300"),
+            ("max-dihedral", "181"),
+            ("max-aspect", "0.5"),
+            ("min-edge", "0"),
+        ] {
+            let refused = told(&format!("{option} = {value}")).unwrap_err();
+            assert!(refused.starts_with(option), "{refused}");
+        }
+        assert_eq!(told("min-angle = 179\nmin-dihedral = 180"), Ok(()));
     }
 
     #[test]

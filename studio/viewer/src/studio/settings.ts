@@ -345,7 +345,7 @@ function wrong(setting: Setting, value: unknown): string | null {
 const WHOLE = /^-?\d+$/;
 
 /** Where a message of the program begins with a setting: in a job file, as an option, or before a colon. */
-const NAMED = /^(?:line \d+: |--|(?=[\w.-]+: ))([\w.-]+)/;
+const NAMED = /^(?:line \d+: |--|(?=[\w.-]+(?:: | can't be )))([\w.-]+)/;
 
 export class Settings {
   private updates: (() => void)[] = [];
