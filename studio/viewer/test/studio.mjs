@@ -231,7 +231,8 @@ async function filesAreTakenHome() {
   assert.equal(readFileSync(await saved(page, '[data-file="picture.png"]')).subarray(1, 4).toString(), "PNG");
   assert.match(readFileSync(await saved(page, '[data-file="picture.svg"]'), "utf8"), /<svg/);
   await page.fill('.workshop [name="thickness"]', "20mm");
-  await page.fill('.workshop [name="sheet"]', "12000x12000");
+  await page.fill('.workshop [name="gap"]', "");
+  await page.fill('.workshop [name="sheet"]', "12x12m");
   const workshop = readFileSync(await saved(page, '[data-file="workshop.zip"]'));
   assert.ok(workshop.includes("roof-workshop/panels.csv") && workshop.includes("sheets/sheet-01.dxf"));
   // The same bytes from the command line, by the job file and by the words that are there to copy.
@@ -248,6 +249,12 @@ async function filesAreTakenHome() {
   await drop(page, "job.toml", "panels = 70\nrotate = 10\nunit = 'mm'\n");
   await page.waitForFunction(() => location.hash.includes("70") && location.hash.includes("rotate"));
   assert.equal(await verdict(page), "pass");
+  // What was typed for the workshop stays, and the surface's facts have the unit that is set.
+  const typed = () => page.$$eval(".workshop input", (fields) => fields.map((field) => field.value));
+  assert.deepEqual(await typed(), ["20mm", "", "12x12m"]);
+  await page.click('[data-act="language"]');
+  assert.deepEqual(await typed(), ["20mm", "", "12x12m"]);
+  assert.match(await text(page, ".surface-facts"), / mm/);
   // Formats in metres have them.
   const metres = readFileSync(await saved(page, '[data-file="mesh.glb"]'));
   assert.equal(program("mesh", "roof.obj", "-n", "70", "--rotate", "10", "--unit", "mm", "-o", "again.glb", "--quiet").status, 0);
@@ -454,6 +461,34 @@ async function theKeyboardIsEnough() {
   await leave(page);
 }
 
+/** Whatever the window, nothing is wider than it, and nothing that is there to be clicked lies below something else. */
+async function windowsOfAnySize() {
+  const page = await visit();
+  await small(page);
+  await page.waitForSelector(".runs [data-compare-run]");
+  for (const language of ["en", "de"]) {
+    for (const [width, height] of [[360, 740], [390, 844], [844, 390], [768, 1024], [1024, 768], [1100, 700], [1280, 800]]) {
+      await page.setViewportSize({ width, height });
+      await page.evaluate(() => scrollTo(0, 0));
+      const found = await page.evaluate(() => {
+        const covered = (element) => {
+          const { left, width, top, height } = element.getBoundingClientRect();
+          if (width === 0 || top < 0 || top + height > innerHeight) return false;
+          const there = document.elementFromPoint(left + width / 2, top + height / 2);
+          return !element.contains(there);
+        };
+        const buttons = [...document.querySelectorAll(".view button, .tools select")];
+        const tick = document.querySelector("[data-compare-run]").getBoundingClientRect();
+        return { wide: document.documentElement.scrollWidth, covered: buttons.filter(covered).map((b) => b.textContent), tick: tick.right };
+      });
+      const told = `${language} ${width} x ${height}: ${JSON.stringify(found)}`;
+      assert.ok(found.wide <= width && found.tick <= width && found.covered.length === 0, told);
+    }
+    await page.click('[data-act="language"]');
+  }
+  await leave(page);
+}
+
 /** The last one, as it ends the program. */
 async function theProgramIsKilled() {
   const own = await serve(roof);
@@ -496,6 +531,7 @@ const TESTS = [
   badFilesAreRefused,
   germanAndDark,
   theKeyboardIsEnough,
+  windowsOfAnySize,
   theProgramIsKilled,
 ];
 

@@ -76,7 +76,7 @@ function entry(check: Check, unit: string, visit: (face: number) => void): HTMLE
   const faces = numbers(check.faces);
   if (!check.pass && faces.length > 0) {
     let next = 0;
-    const go = button(say("{} panels, show", faces.length), say("Go from one to the next"), () => visit(faces[next++ % faces.length]));
+    const go = button(faces.length === 1 ? say("one panel, show") : say("{} panels, show", faces.length), say("Go from one to the next"), () => visit(faces[next++ % faces.length]));
     go.className = "link";
     line.append(go);
   }

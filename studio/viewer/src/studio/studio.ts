@@ -127,7 +127,6 @@ export class Studio {
     this.showEmpty();
     this.buildTools();
     this.buildWelcome();
-    this.showFacts();
     this.showHint();
     this.refresh();
     this.showOutcome();
@@ -225,6 +224,7 @@ export class Studio {
   private refresh(): void {
     if (!this.view) return;
     this.settings.update();
+    this.showFacts();
     this.showPlaced();
     this.act("undo").disabled = !this.state.canUndo;
     this.act("redo").disabled = !this.state.canRedo;
@@ -304,7 +304,6 @@ export class Studio {
     this.showEmpty();
     this.view.showSurface(frame);
     this.state.take(frame.id);
-    this.showFacts();
     this.showHint();
     this.showOutcome();
     this.say(frame.info.problem === null ? "" : say("This is no surface"), "problem");
@@ -592,19 +591,25 @@ export class Studio {
     );
   }
 
+  /** What was typed for the workshop, which every result and language asks for anew. */
+  private readonly workshopWords: Record<string, string> = { thickness: "50mm", gap: "0mm", sheet: "1250x2500" };
+
   /** What the workshop needs to know. */
   private workshop(address: string): HTMLElement {
-    const field = (label: string, name: string, value: string): HTMLElement => {
-      const input = h("input", { name, value, autocomplete: "off" });
+    const words = this.workshopWords;
+    const field = (label: string, name: string): HTMLElement => {
+      const input = h("input", { name, value: words[name], autocomplete: "off" }) as HTMLInputElement;
+      input.addEventListener("input", () => void (words[name] = input.value));
       return h("label", {}, say(label), input);
     };
-    const form = h("form", { class: "workshop" }, field("Thickness", "thickness", "50mm"), field("Joint", "gap", "0mm"), field("Sheet, mm", "sheet", "1250x2500")) as HTMLFormElement;
+    const form = h("form", { class: "workshop" }, field("Thickness", "thickness"), field("Joint", "gap"), field("Sheet", "sheet")) as HTMLFormElement;
     const send = h("button", { type: "submit", class: "primary", "data-file": "workshop.zip" }, say("Workshop files (zip)"));
     form.append(send);
     form.addEventListener("submit", (event) => {
       event.preventDefault();
-      const words = new URLSearchParams([...new FormData(form)].map(([name, value]) => [name, String(value)]));
-      void this.save(`${address}?${words}`);
+      // An empty field says nothing, as an option that is left out.
+      const said = Object.entries(words).filter(([, value]) => value.trim() !== "");
+      void this.save(`${address}?${new URLSearchParams(said)}`);
     });
     return form;
   }
@@ -674,7 +679,6 @@ export class Studio {
         const frame = await server.surface(entry.surface);
         this.surface = frame;
         this.view.showSurface(frame);
-        this.showFacts();
       }
       this.state.wanted = { surface: entry.surface, job: structuredClone(entry.job) };
       this.state.commit();
