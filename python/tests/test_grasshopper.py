@@ -1,9 +1,12 @@
 """Components run as Grasshopper runs them: their code with inputs and `ghenv` as names."""
 
+import csv
 import importlib.util
 import json
 import struct
+import sys
 import time
+import types
 
 import numpy as np
 import phex
@@ -44,8 +47,14 @@ def solved(folder, ghenv, **inputs):
     """Runs a component until it does not ask to be solved again; its outputs by name."""
     code = (folder / "code.py").read_text(encoding="utf-8")
     told = json.loads((folder / "metadata.json").read_text(encoding="utf-8"))["ghpython"]
-    names = {p["name"]: None for p in told["inputParameters"]}
+    parameters = told["inputParameters"]
+    names = {p["name"]: None for p in parameters}
     assert set(inputs) <= set(names)
+    # Grasshopper delivers what the access says: lists, or one thing at a time.
+    lists = {p["name"] for p in parameters if p["scriptParamAccess"] == "list"}
+    for name, value in inputs.items():
+        assert name in lists or not isinstance(value, list), name
+    inputs = {n: [v] if n in lists and not isinstance(v, list) else v for n, v in inputs.items()}
     for _ in range(4000):
         asked = ghenv.Component.again
         scope = {**names, **inputs, "ghenv": ghenv}
@@ -93,8 +102,12 @@ def test_the_other_components_go_on_from_it(made, surface, tmp_path):
     at = ROOT / "grasshopper"
     checked = solved(at / "Check", Ghenv(), Mesh=made["Outlines"])
     assert len(checked["Phex"]) == len(made["Phex"]) and "PASS" in checked["Report"]
-    flat = solved(at / "Planarize", Ghenv(), Mesh=made["Phex"], Surface=surface, Run=True)
-    assert len(flat["Panels"]) == len(made["Panels"])
+    for given in (made["Phex"], made["Outlines"]):
+        flat = solved(at / "Planarize", Ghenv(), Mesh=given, Surface=surface, Run=True)
+        assert len(flat["Panels"]) == len(made["Panels"])
+    whole = solved(at / "Check", Ghenv(), Mesh=made["Phex"], Surface=surface)
+    assert len(whole["Phex"]) == len(made["Phex"])
+    assert solved(at / "Check", Ghenv(), Mesh=[])["Report"] == ""
     layers = solved(at / "Offset", Ghenv(), Mesh=made["Phex"], Distance=[-0.01, 0.01], Run=True)
     assert len(layers["Outlines"]) == 2 * len(made["Outlines"])
     folder = str(tmp_path / "workshop")
@@ -102,10 +115,35 @@ def test_the_other_components_go_on_from_it(made, surface, tmp_path):
         at / "Fabricate", Ghenv(), Mesh=made["Phex"], Folder=folder, Thickness="1mm", Run=True
     )
     assert "panels" in told["Report"]
+    with open(f"{folder}/panels.csv", encoding="utf-8") as table:
+        assert [row["id"] for row in csv.DictReader(table)] == g.names(made["Phex"])
     page = str(tmp_path / "a.html")
     assert "verdict" in solved(at / "Report", Ghenv(), Mesh=made["Phex"], Path=page, Run=True)["Report"]
     with open(page, encoding="utf-8") as file:
         assert "</html>" in file.read()
+
+
+def test_the_unit_is_that_of_the_document(made, surface, tmp_path, monkeypatch):
+    document = types.SimpleNamespace(ModelUnitSystem="Millimeters")
+    rhino = types.SimpleNamespace(RhinoDoc=types.SimpleNamespace(ActiveDoc=document))
+    monkeypatch.setitem(sys.modules, "Rhino", rhino)
+    at, how = ROOT / "grasshopper", {"Mesh": phex.Mesh(made["Phex"].vertices, made["Phex"].faces)}
+    how |= {"Folder": str(tmp_path / "workshop"), "Run": True, "Thickness": "1mm"}
+
+    def length(**more):
+        told = solved(at / "Fabricate", Ghenv("unit"), **how, **more)["Report"]
+        assert "panels: " in told, told
+        return json.loads((tmp_path / "workshop/fab.json").read_text())["options"]
+
+    options = length(Gap="0.5mm", Side="centre", Sheet="4x8ft")
+    assert (options["unit_mm"], options["thickness"], options["gap"]) == (1.0, 1.0, 0.5)
+    assert (options["side"], options["sheet_mm"]) == ("centre", [2438.4, 1219.2])
+    assert length(Unit="cm")["unit_mm"] == 10.0
+    laid = solved(at / "Mesh", Ghenv("unit"), Surface=surface, Panels=40, Run=True)["Phex"]
+    assert laid._unit == "mm"
+    document.ModelUnitSystem = "Miles"
+    told = solved(at / "Mesh", Ghenv("unit"), Surface=surface, Panels=40, Run=True)["Report"]
+    assert "Miles" in told
 
 
 def test_a_change_of_input_cancels_what_ran(surface):

@@ -5,6 +5,7 @@ use crate::errors::raised;
 use crate::inputs::Inputs;
 use crate::{judged, offsets, pictures, studies, workshop};
 use phex::Progress;
+use phex_fab::PanelIds;
 use phex_job::{JobError, MeshFile, Unit, chain, in_file};
 use phex_mesh::io::{atomic_write, write_soup};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate_with_parameters};
@@ -43,6 +44,7 @@ pub fn work(what: &str, request: &str, inputs: Inputs) -> Result<Work, JobError>
         "collect" => bound(request, inputs, studies::collected),
         "table" => bound(request, inputs, studies::table),
         "study-page" => bound(request, inputs, studies::study_page),
+        "names" => bound(request, inputs, names),
         "read" => bound(request, inputs, read),
         "write" => bound(request, inputs, write),
         "outputs" => bound(request, inputs, judged::check_outputs),
@@ -108,6 +110,13 @@ fn write(request: WriteRequest, inputs: Inputs, _: &dyn Progress) -> Result<Answ
 pub fn write_whole(py: Python<'_>, path: PathBuf, content: &[u8]) -> PyResult<()> {
     let written = py.detach(|| atomic_write(&path, |out| out.write_all(content)));
     written.map_err(|e| raised(JobError::Input(chain(&e))))
+}
+
+/// The names of a mesh's panels, as in the workshop's files.
+fn names(_: Nothing, inputs: Inputs, _: &dyn Progress) -> Result<Answer, JobError> {
+    let names = PanelIds::new(&inputs.panels()?).into_names();
+    let names = json!(names).to_string();
+    Ok(vec![("names", AnswerPart::Text(names))])
 }
 
 fn shapes(_: Nothing, _: Inputs, _: &dyn Progress) -> Result<Answer, JobError> {

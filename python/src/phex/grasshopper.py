@@ -17,9 +17,17 @@ import numpy as np
 
 from . import _functions
 from ._compute import Future
-from ._errors import Cancelled, PhexError
+from ._errors import Cancelled, InputError, PhexError
 from ._mesh import Mesh, Panelling, Polygons, Surface, as_polygons
-from .interop.rhino3dm import from_rhino, geometry, names, outlines, panels, rhino_mesh
+from .interop.rhino3dm import (
+    document_unit,
+    from_rhino,
+    geometry,
+    names,
+    outlines,
+    panels,
+    rhino_mesh,
+)
 
 #: Milliseconds after which a component that computes is solved again.
 AGAIN = 250
@@ -68,6 +76,10 @@ def mesh(
     **options: Any,
 ) -> Shown:
     """The component Mesh: covers a surface with planar hexagonal panels."""
+    try:
+        options = _in_unit(options)
+    except InputError as error:
+        return _told(ghenv, NOTHING._replace(report=str(error)), "failed", error)
     return _background(
         ghenv,
         run and surface is not None,
@@ -81,6 +93,7 @@ def mesh(
 
 def planarize(ghenv: Any, mesh: Any, surface: Any = None, run: bool = True, **options: Any) -> Shown:
     """The component Planarize: makes the faces of a mesh planar."""
+    mesh = _one_or_outlines(mesh)
     if not run or mesh is None:
         return _told(ghenv, NOTHING, "")
     there = None if surface is None else surface_of(surface)
@@ -108,6 +121,7 @@ def fabricate(ghenv: Any, mesh: Any, folder: Any, run: bool = False, **options: 
     if not run or mesh is None or not folder:
         return ""
     try:
+        options = _in_unit({name: value for name, value in options.items() if value is not None})
         made = _functions.fabricate(_panels_of(mesh), folder, progress=False, **options)
     except (PhexError, TypeError) as error:
         return _told(ghenv, NOTHING._replace(report=str(error)), "failed", error).report
@@ -116,6 +130,7 @@ def fabricate(ghenv: Any, mesh: Any, folder: Any, run: bool = False, **options: 
 
 def check(ghenv: Any, mesh: Any, surface: Any = None, **options: Any) -> Shown:
     """The component Check: judges any polygon mesh."""
+    mesh = _one_or_outlines(mesh)
     if mesh is None:
         return _told(ghenv, NOTHING, "")
     there = None if surface is None else surface_of(surface)
@@ -137,6 +152,22 @@ def text_of(made: Mesh) -> str:
     if not isinstance(made, Panelling):
         return ""
     return "\n".join(f"{name}: {value}" for name, value in made._figures())
+
+
+def _in_unit(options: Dict[str, Any]) -> Dict[str, Any]:
+    """Options with the unit of Rhino's document where none is given."""
+    given = options.get("unit")
+    return {**options, "unit": document_unit() if given is None else given}
+
+
+def _one_or_outlines(given: Any) -> Any:
+    """What an input with list access delivers: one mesh in a list is that mesh."""
+    if not isinstance(given, list):
+        return given
+    there = [thing for thing in given if thing is not None]
+    if not there:
+        return None
+    return there if len(there) > 1 or hasattr(there[0], "PointCount") else there[0]
 
 
 def _panels_of(given: Any) -> Mesh:

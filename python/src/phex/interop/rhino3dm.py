@@ -4,12 +4,14 @@ Curves and breps hold full precision; Rhino's meshes are single precision, so ou
 breps are the main output. Triangles are ears of the panels: fans are wrong on concave ones.
 """
 
+import json
 import os
 import tempfile
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
+from .._compute import run
 from .._errors import InputError
 from .._mesh import Mesh, Polygons, model_unit, no_polygons
 from .._output import write_whole
@@ -40,6 +42,23 @@ def geometry() -> Any:
         raise InputError("this needs rhino3dm (pip install phex[rhino]), or Rhino") from None
 
 
+def document_unit() -> Optional[str]:
+    """The unit of the document that is open in Rhino; ``None`` outside Rhino, and where the
+    document has none."""
+    try:
+        import Rhino
+    except ImportError:
+        return None
+    document = Rhino.RhinoDoc.ActiveDoc
+    name = "None" if document is None else str(document.ModelUnitSystem)
+    if name in ("None", "Unset"):
+        return None
+    for unit, known in UNITS.items():
+        if name == known:
+            return unit
+    raise InputError(f"the document is in {name}: phex knows {', '.join(UNITS)}")
+
+
 def library(path: str) -> Any:
     """``rhino3dm``, which writes files."""
     try:
@@ -50,8 +69,11 @@ def library(path: str) -> Any:
 
 
 def names(mesh: Polygons) -> List[str]:
-    """``P0001``, ``P0002`` ..."""
-    return [f"P{k + 1:04d}" for k in range(len(mesh))]
+    """The names that the workshop gives to the panels: ``A1`` where they lie in rows, else ``P0001``."""
+    try:
+        return list(json.loads(run("names", {}, mesh)["names"]))
+    except InputError:  # what is no mesh for a workshop has numbers still
+        return [f"P{k + 1:04d}" for k in range(len(mesh))]
 
 
 def outlines(mesh: Polygons) -> List[Any]:
