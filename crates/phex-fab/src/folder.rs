@@ -17,7 +17,7 @@ use crate::plate::Plate;
 use crate::schedule::{csv, tables, xlsx};
 use phex::offset::joined;
 use phex_mesh::io::{
-    DxfDrawing, FaceAttributes, Format, compas_json, obj_of_objects, write_soup_to,
+    DxfDrawing, FaceAttributes, Format, compas_json, fits_stl, obj_of_objects, write_soup_to,
 };
 use phex_mesh::{FlatFace, PolygonSoup, Vec3};
 use serde_json::{Value, json};
@@ -49,14 +49,27 @@ pub fn files(fabrication: &Fabrication) -> Result<Vec<File>, FabError> {
     Ok(files)
 }
 
-fn solids(fabrication: &Fabrication) -> Result<[File; 3], FabError> {
-    let mut stl = Vec::new();
-    write_soup_to(&mut stl, &joined(&fabrication.solids), Format::Stl).map_err(|e| {
-        FabError::Content {
-            name: "solids.stl".into(),
-            cause: e.to_string(),
-        }
-    })?;
+/// Why a file is left out: its name and the cause; the others hold the same solids.
+pub fn left_out(fabrication: &Fabrication) -> Option<String> {
+    let solids = joined(&fabrication.solids);
+    let refused = fits_stl(&solids.positions).err();
+    refused.map(|cause| format!("{STL}: {cause}"))
+}
+
+const STL: &str = "solids.stl";
+
+fn solids(fabrication: &Fabrication) -> Result<Vec<File>, FabError> {
+    let mut made = Vec::new();
+    if left_out(fabrication).is_none() {
+        let mut stl = Vec::new();
+        write_soup_to(&mut stl, &joined(&fabrication.solids), Format::Stl).map_err(|e| {
+            FabError::Content {
+                name: STL.into(),
+                cause: e.to_string(),
+            }
+        })?;
+        made.push((STL.into(), stl));
+    }
     let name = |face| fabrication.ids.panel(face).to_owned();
     let objects: Vec<(String, PolygonSoup)> = fabrication
         .solids
@@ -70,11 +83,9 @@ fn solids(fabrication: &Fabrication) -> Result<[File; 3], FabError> {
         plates.polyline_3d("TOP", &in_mm(&solid.top), true);
         plates.polyline_3d("BOTTOM", &in_mm(&solid.bottom), true);
     }
-    Ok([
-        ("solids.obj".into(), obj_of_objects(&objects)),
-        ("solids.stl".into(), stl),
-        ("plates.dxf".into(), plates.to_text().into_bytes()),
-    ])
+    made.push(("solids.obj".into(), obj_of_objects(&objects)));
+    made.push(("plates.dxf".into(), plates.to_text().into_bytes()));
+    Ok(made)
 }
 
 fn mesh_json(fabrication: &Fabrication) -> Vec<u8> {
@@ -101,7 +112,7 @@ fn mesh_json(fabrication: &Fabrication) -> Vec<u8> {
 pub fn summary(fabrication: &Fabrication) -> Value {
     let groups = &fabrication.groups;
     let topology = fabrication.mesh.topology();
-    let left_out = fabrication
+    let labels_left_out = fabrication
         .texts
         .iter()
         .map(|t| t.left_out.len())
@@ -123,6 +134,7 @@ pub fn summary(fabrication: &Fabrication) -> Value {
         "distinct_lengths": groups.lengths.len(),
         "distinct_dihedral_angles": groups.dihedrals.len(),
         "distinct_corner_angles": groups.corners.len(),
-        "labels_left_out": left_out,
+        "labels_left_out": labels_left_out,
+        "left_out": left_out(fabrication),
     })
 }

@@ -7,7 +7,7 @@ use crate::output::given;
 use crate::output_folder::{Extent, OutputFolder};
 use crate::progress::Reporter;
 use crate::summary::SummaryTable;
-use phex_fab::folder::{files, summary};
+use phex_fab::folder::{files, left_out, summary};
 use phex_fab::plate::Plate;
 use phex_fab::schedule::panel_centres;
 use phex_fab::{FabError, FabOptions, Fabrication, PanelIds, fabricate, valid_mesh};
@@ -146,6 +146,7 @@ fn text(fabrication: &Fabrication, command: &FabCommand) -> String {
         ("names", nothing_kept(command, fabrication)),
         ("CUT", beyond(fabrication)),
         ("no room", without_room(fabrication)),
+        ("left out", left_out(fabrication)),
     ];
     for (name, line) in lines {
         if let Some(line) = line {

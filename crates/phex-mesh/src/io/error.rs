@@ -258,6 +258,16 @@ pub enum WriteCause {
         /// The vertex.
         vertex: usize,
     },
+    /// The model lies so far from the origin that the format's numbers would ruin it.
+    #[error(
+        "coordinates as large as {largest:.0} would be rounded by up to {rounding:.1e} in STL (single precision): move the model to the origin, or write OBJ or PLY"
+    )]
+    TooFar {
+        /// The largest coordinate.
+        largest: f64,
+        /// The largest rounding.
+        rounding: f64,
+    },
     /// A face has fewer than three corners.
     #[error("face {face} has {corners} corners, at least 3 are needed")]
     TooFewCorners {

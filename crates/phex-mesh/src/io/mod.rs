@@ -40,6 +40,7 @@ pub use dxf::DxfDrawing;
 pub use error::{FilePlace, ReadCause, ReadError, UnknownExtension, WriteCause, WriteError};
 pub use hex_mesh::{HexMeshError, HexMeshReadError};
 pub use obj::obj_of_objects;
+pub use stl::fits_stl;
 pub use surface::SurfaceReadError;
 pub use text::shown;
 

@@ -182,8 +182,31 @@ fn tolerance(corners: &[Vec3]) -> f64 {
     (1e-9 * (high - low).norm()).max(largest * f64::from(f32::EPSILON))
 }
 
+/// Rounding over the diagonal that a model bears: far below what panels may be off.
+const BORNE: f64 = 1e-5;
+
+/// Refuses positions that single precision would ruin, being far from the origin.
+///
+/// # Errors
+/// With the rounding.
+pub fn fits_stl(positions: &[Vec3]) -> Result<(), WriteCause> {
+    let [low, high] = bounds(positions);
+    // What is too large altogether is told by its vertex.
+    let single = |x: &f64| f64::from(*x as f32);
+    let rounded = positions.iter().flatten().map(|x| (x - single(x)).abs());
+    let rounding = rounded.filter(|r| r.is_finite()).fold(0.0, f64::max);
+    match rounding > BORNE * (high - low).norm() && rounding > f64::from(f32::MIN_POSITIVE) {
+        false => Ok(()),
+        true => Err(WriteCause::TooFar {
+            largest: low.amax().max(high.amax()),
+            rounding,
+        }),
+    }
+}
+
 /// The file of a mesh: binary, faces cut into triangles.
 pub(super) fn encode(soup: &PolygonSoup) -> Result<Vec<u8>, WriteCause> {
+    fits_stl(&soup.positions)?;
     let mut triangles = Vec::with_capacity(soup.faces.len());
     for face in 0..soup.faces.len() {
         for triangle in of_face(soup, face)? {
@@ -236,6 +259,24 @@ mod tests {
         let soup = parse(TEXT.as_bytes()).unwrap();
         assert_eq!(soup.faces, [[0, 1, 2], [0, 2, 3]]);
         assert_eq!(soup.positions[3], Vec3::new(0.0, 1.0, 0.1));
+    }
+
+    #[test]
+    fn what_far_coordinates_would_ruin_is_refused() {
+        let at = |distance: f64| {
+            let mut corner = cube_corner();
+            corner
+                .positions
+                .iter_mut()
+                .for_each(|p| *p = *p * 0.3 + Vec3::repeat(distance));
+            encode(&corner).map(|_| ())
+        };
+        assert!(at(0.0).is_ok() && at(10.0).is_ok());
+        let told = at(5_200_000.0).unwrap_err().to_string();
+        assert!(
+            told.contains("5200000") && told.contains("move the model"),
+            "{told}"
+        );
     }
 
     #[test]
