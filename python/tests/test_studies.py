@@ -147,6 +147,8 @@ def test_samples_fill_the_space_and_repeat(dome):
         ({"surface": "no.obj"}, {"workshop": {"sheet": (1, 2)}}, "thickness"),
         ({"surface": "no.obj"}, {"workshop": {"thickness": 1, "sheet": ("10%", "8000")}}, "percentage"),
         ({"surface": "no.obj"}, {"workshop": {"thickness": 1, "sheet": "big"}}, "no sheet"),
+        ({"surface": "no.obj"}, {"workers": 0}, "workers"),
+        ({"surface": "no.obj"}, {"threads": 0}, "threads"),
         ({"surface": "no.obj"}, {"executor": 3}, "submit"),
         ("roof", {}, "space"),
         ([{"surface": "no.obj"}], {"sample": "random", "count": 3}, "list"),
@@ -156,6 +158,13 @@ def test_what_a_study_can_t_mean_is_refused(space, more, word):
     with pytest.raises(phex.InputError, match=word):
         phex.sweep(space, out="study", **more)
     assert not list(pathlib.Path().glob("study/*/run.json"))
+
+
+def test_a_study_is_no_file():
+    pathlib.Path("study").write_text("mine")
+    with pytest.raises(phex.InputError, match="study is a file"):
+        phex.sweep({"surface": "no.obj"}, out="study")
+    assert pathlib.Path("study").read_text() == "mine"
 
 
 def test_a_killed_worker_loses_nothing(solved, dome):

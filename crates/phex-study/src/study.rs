@@ -198,7 +198,7 @@ fn steps(name: &str, range: &Map<String, Value>) -> Result<Vec<Value>, JobError>
         let value = range.get(key);
         value.ok_or_else(|| {
             wrong(format!(
-                "`{key}` is missing beside from, to and count"
+                "`{key}` is missing: a range has from, to and count"
             ))
         })
     };
@@ -386,7 +386,7 @@ mod tests {
             ),
             (
                 "[space]\nrotate = { from = 0, to = 60 }",
-                "space: `rotate`: `count` is missing",
+                "space: `rotate`: `count` is missing: a range has from, to and count",
             ),
             (
                 "[space]\nrotate = { from = 'a', to = 60, count = 3 }",

@@ -310,4 +310,4 @@ def polylines(name: str, value: Any) -> Any:
 
 def threads(value: Any) -> Optional[int]:
     """A number of threads."""
-    return None if value is None else whole("threads", value, 65535)
+    return None if value is None else whole("threads", value, 65535, least=1)

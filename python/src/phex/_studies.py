@@ -335,6 +335,8 @@ def sweep(
     ({'pass': 2}, [32, 42])
     """
     folder = os.path.abspath(path_text(out, "out"))
+    if os.path.exists(folder) and not os.path.isdir(folder):
+        raise InputError(f"out: {folder} is a file, and no folder")
     how = _how(threads, workshop, time_limit, memory_limit, html)
     variants = _variants(space, sample, count, seed)
     jobs = [_job(variant, folder, how, k) for k, variant in enumerate(variants)]
@@ -617,7 +619,7 @@ def _engine(executor: Any, workers: Optional[int], threads: int) -> _Engine:
             raise InputError("workers has no effect with an executor, which has its own")
         return _Given(executor)
     count = max(1, (os.cpu_count() or 1) // threads) if workers is None else workers
-    return _Processes(max(1, whole("workers", count, 10**6)))
+    return _Processes(whole("workers", count, 10**6, least=1))
 
 
 def _solved(

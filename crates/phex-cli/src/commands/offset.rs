@@ -86,6 +86,10 @@ impl<'a> OffsetJob<'a> {
             .collect();
         distances.sort_by(f64::total_cmp);
         check_distances("--distance", &distances, mesh)?;
+        if let Some(twice) = distances.windows(2).find(|pair| pair[0] == pair[1]) {
+            let told = format!("--distance: {} (model units) is given twice", twice[0]);
+            return Err(Failure::new(Exit::Usage, told));
+        }
         let face_distances = command.face_distances.as_deref().map(read_distances);
         if command.face_distances.is_some() && command.kind != Kind::Face {
             return Err(Failure::new(

@@ -89,10 +89,14 @@ fn doubles(variants: &[Variant], keys: &[String]) -> Option<String> {
         true => format!("{}: the same settings twice", name(a)),
         false => format!("{} and {} hold the same bytes", name(a), name(b)),
     };
-    let count = doubles.len();
-    Some(format!(
-        "{count} of the variants are the same as others and become one row with them ({cause})"
-    ))
+    Some(match doubles.len() {
+        1 => format!(
+            "one of the variants is the same as another and becomes one row with it ({cause})"
+        ),
+        count => format!(
+            "{count} of the variants are the same as others and become one row with them ({cause})"
+        ),
+    })
 }
 
 /// A variant in a line: its folder, how it ended, why, and why it can't be cut.

@@ -86,6 +86,13 @@ fn a_distance_past_the_safe_one_writes_nothing() {
 }
 
 #[test]
+fn a_distance_that_is_given_twice_is_told_as_such() {
+    let shop = with_cuboid();
+    let twice = "offset m.obj --distance 0.1,0.1 -o out";
+    refused(&shop, twice, 2, &["0.1", "is given twice"]);
+}
+
+#[test]
 fn a_layer_that_is_one_point_is_told_without_a_figure() {
     let shop = Workshop::new();
     shop.write("m.obj", CUBE);
@@ -341,11 +348,5 @@ fn wrong_options_are_refused() {
         "offset m.obj --distance 0.1 -o layers --solids --gap 1.5",
         5,
         &["gap of 1.5", "face"],
-    );
-    refused(
-        &shop,
-        "offset m.obj --distance 0.1,0.1 -o layers",
-        4,
-        &["layer_+0.1.obj"],
     );
 }

@@ -59,7 +59,7 @@ fn a_sweep_tells_of_its_size_of_doubles_and_of_panels_that_fit_no_sheet() {
         run.stdout
     );
     assert!(run.stdout.contains("(workshop: "), "{}", run.stdout);
-    let told = "1 of the variants are the same as others and become one row with them (a/ball.obj and b/ball.obj hold";
+    let told = "one of the variants is the same as another and becomes one row with it (a/ball.obj and b/ball.obj hold";
     assert!(run.stderr.contains(told), "{}", run.stderr);
     shop.succeed("sweep collect study");
     let table = String::from_utf8(shop.read("study/designs.csv")).unwrap();
