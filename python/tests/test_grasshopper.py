@@ -112,9 +112,15 @@ def test_the_other_components_go_on_from_it(made, surface, tmp_path):
     assert len(layers["Outlines"]) == 2 * len(made["Outlines"])
     folder = str(tmp_path / "workshop")
     told = solved(
-        at / "Fabricate", Ghenv(), Mesh=made["Phex"], Folder=folder, Thickness="1mm", Run=True
+        at / "Fabricate",
+        Ghenv(),
+        Mesh=made["Phex"],
+        Folder=folder,
+        Thickness="1mm",
+        Sheet="20x20m",
+        Run=True,
     )
-    assert "panels" in told["Report"]
+    assert "panels: " in told["Report"], told
     with open(f"{folder}/panels.csv", encoding="utf-8") as table:
         assert [row["id"] for row in csv.DictReader(table)] == g.names(made["Phex"])
     page = str(tmp_path / "a.html")
