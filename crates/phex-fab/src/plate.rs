@@ -84,7 +84,7 @@ impl Plate {
         signed_area(&self.top)
     }
 
-    /// How far the lower face reaches beyond the sides of the upper one, in mm; 0 where it does not.
+    /// How far the lower face reaches beyond the sides of the upper one, in mm, or 0.
     pub fn beyond(&self) -> f64 {
         let shifts = shifts(&self.top, &self.bottom);
         shifts.into_iter().flatten().fold(0.0, f64::max)
