@@ -492,7 +492,7 @@ fn check_of(report: &serde_json::Value, name: &str) -> serde_json::Value {
 fn failures_at_the_boundary_and_of_the_coverage_name_panels_and_a_place() {
     let shop = Workshop::new();
     shop.write("mesh.obj", honeycomb(6, 5, |_, p| p));
-    shop.write("plane.obj", plane(3, 2.0));
+    shop.write("plane.obj", plane(3, 5.0));
     let run = shop.phex("check mesh.obj --surface plane.obj --boundary snap --report run.json");
     assert_eq!(run.code, Some(3), "{}{}", run.stdout, run.stderr);
     let report = shop.json("run.json");
@@ -506,7 +506,7 @@ fn failures_at_the_boundary_and_of_the_coverage_name_panels_and_a_place() {
     }
     assert_eq!(
         check_of(&report, "coverage_inner")["place"],
-        serde_json::json!([4.0, 4.0, 2.0])
+        serde_json::json!([4.0, 4.0, 5.0])
     );
     let far = check_of(&report, "boundary")["place"][0].as_f64().unwrap();
     assert!(

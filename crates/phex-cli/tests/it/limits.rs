@@ -197,12 +197,12 @@ fn nonsense_is_refused() {
         ("--max-area 3m", "area"),
         ("--min-edge nan", "length"),
         ("--min-angle 0", "positive"),
-        ("--min-angle 180", "min_angle"),
-        ("--max-aspect 0.5", "max_aspect"),
+        ("--min-angle 180", "min-angle can't be 180"),
+        ("--max-aspect 0.5", "max-aspect"),
         ("--min-edge 2m --max-edge 1m", "min-edge 2m"),
         ("--min-dihedral 170 --max-dihedral 160", "min-dihedral 170"),
-        ("--max-dihedral 190", "max_dihedral"),
-        ("--max-edge 1e300m", "max_edge"),
+        ("--max-dihedral 190", "max-dihedral"),
+        ("--max-edge 1e300m", "max-edge"),
     ] {
         let run = shop.phex(&format!("mesh s.obj -o m.obj -n 30 {limits}"));
         assert!(

@@ -168,7 +168,7 @@ mod tests {
         let there = model.surface.positions().iter();
         for (p, q) in surface.positions().iter().zip(there) {
             assert!((model.affinity.restore(*q) - p).norm() < 1e-7);
-            assert!((model.affinity.normalise(*p) - q).norm() < 1e-9);
+            assert!((model.affinity.normalise(*p) - q).norm() < 1e-8);
         }
     }
 

@@ -91,7 +91,7 @@ fn a_camber_is_kept() {
     assert!(run.is_sound(), "{:?}", run.violations());
     let off = deviation(&run.mesh, &surface);
     let farthest = off.deviation_max.max(off.coverage_max) * off.diagonal;
-    assert!(farthest < 0.05 * rise, "{farthest}");
+    assert!(farthest < 0.2 * rise, "{farthest}");
 }
 
 #[test]
