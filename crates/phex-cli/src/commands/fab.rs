@@ -174,7 +174,7 @@ fn naming(fabrication: &Fabrication) -> String {
         let [first, last] = [rows.first(), rows.last()].map(|r| r.map_or("", |(_, row)| row));
         return format!("named by rows, {first} to {last}");
     }
-    let [first, last] = [names().next(), names().last()].map(Option::unwrap_or_default);
+    let [first, last] = [names().next(), names().next_back()].map(Option::unwrap_or_default);
     format!("{first} to {last}")
 }
 
