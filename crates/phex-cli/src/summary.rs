@@ -256,17 +256,32 @@ fn clearance(measures: &MeshMeasures) -> String {
 
 /// What concerns several faces: each kind with its number, or that there is none.
 fn sound(assessment: &Assessment) -> String {
-    const KINDS: [(&str, &str); 5] = [
-        ("flipped_faces", "flipped faces"),
-        ("wrong_fans", "vertex fans that do not go round once"),
-        ("wrong_degree", "inner vertices without three faces"),
-        ("crossings", "edges that cross faces"),
-        ("folds", "folded edges"),
+    const KINDS: [(&str, &str, &str); 5] = [
+        ("flipped_faces", "flipped face", "flipped faces"),
+        (
+            "wrong_fans",
+            "vertex fan that does not go round once",
+            "vertex fans that do not go round once",
+        ),
+        (
+            "wrong_degree",
+            "inner vertex without three faces",
+            "inner vertices without three faces",
+        ),
+        (
+            "crossings",
+            "edge that crosses faces",
+            "edges that cross faces",
+        ),
+        ("folds", "folded edge", "folded edges"),
     ];
-    let count = |(name, text): &(&str, &str)| {
+    let count = |(name, one, many): &(&str, &str, &str)| {
         let check = assessment.checks.iter().find(|c| c.name == *name)?;
-        let first = check.ids.first()?;
-        Some(format!("{} {text} (first {first})", check.ids.len()))
+        match check.ids[..] {
+            [] => None,
+            [id] => Some(format!("1 {one} ({id})")),
+            [first, ..] => Some(format!("{} {many} (first {first})", check.ids.len())),
+        }
     };
     let found: Vec<String> = KINDS.iter().filter_map(count).collect();
     if found.is_empty() {
@@ -281,6 +296,7 @@ fn simple(assessment: &Assessment) -> String {
     let crossed = checks.find(|c| c.name == "faces_not_simple");
     match crossed.map_or(&[][..], |c| &c.ids) {
         [] => "every face, by exact predicates".to_owned(),
+        [face] => format!("face {face} is NOT"),
         ids => format!("{} faces are NOT simple (first {})", ids.len(), ids[0]),
     }
 }

@@ -578,8 +578,8 @@ fn wanted_parts(job: &MeshJob) -> Result<(Vec<WantedPart<'_>>, Option<String>), 
     }
     let said = (!crumbs.is_empty()).then(|| {
         format!(
-            "{} parts, each with less than a thousandth of the area of the largest one ({} triangles in all), \
-             were left out; --all-components keeps them",
+            "parts with less than a thousandth of the area of the largest one were left out \
+             (parts: {}, their triangles: {}); --all-components keeps them",
             crumbs.len(),
             crumbs.iter().map(triangles).sum::<usize>()
         )

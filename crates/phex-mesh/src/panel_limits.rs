@@ -13,12 +13,15 @@
 //! Figures that meet a limit but for rounding ([`ROUNDING`] of it) are within.
 
 use crate::measure::aspect;
-use crate::polygon::{interior_angles, sides};
+use crate::polygon::{HEXAGON, interior_angles, sides};
 use crate::{EdgeId, FaceId, FlatFace, HexMesh, PerFace, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
 /// Share of a limit that is rounding.
 pub const ROUNDING: f64 = 1e-9;
+
+/// Share of a rectangle that an affine image of a regular hexagon fills at the most.
+const OF_RECTANGLE: f64 = 0.75;
 
 /// Limits of panels, their edges and corners; `None` does not limit. Lengths are in the unit of the
 /// mesh.
@@ -158,6 +161,22 @@ impl PanelLimits {
             min_edge: self.min_edge.map(&length),
             max_edge: self.max_edge.map(&length),
             max_area: self.max_area.map(&area),
+            ..*self
+        }
+    }
+
+    /// Those that even hexagons of a mean area can keep: a rectangle holds affine images of regular
+    /// ones of three quarters of its area, and the longest edge of none is shorter, or the shortest
+    /// edge of a convex one longer, than that of the regular one. To pull panels towards the others
+    /// moves them off the surface, and none of them gets there.
+    #[must_use]
+    pub fn within_reach(&self, area: f64) -> Self {
+        let edge = (area / HEXAGON).sqrt();
+        Self {
+            max_panel: (self.max_panel).filter(|[a, b]| area <= OF_RECTANGLE * a * b),
+            min_edge: self.min_edge.filter(|least| *least <= edge),
+            max_edge: self.max_edge.filter(|most| *most >= edge),
+            max_area: self.max_area.filter(|most| *most >= area),
             ..*self
         }
     }

@@ -120,20 +120,34 @@ impl SurfaceNotes {
         let counted = [
             (
                 self.unused_vertices,
-                "vertices belong to no face and were left out",
+                [
+                    "vertex belongs to no face and was",
+                    "vertices belong to no face and were",
+                ],
+                "left out",
             ),
             (
                 self.turned_faces,
-                "faces were turned round to agree with their neighbours",
+                ["face was", "faces were"],
+                "turned round to agree with neighbours",
             ),
-            (self.cut_polygons, "polygons were cut into triangles"),
-            (self.dropped_faces, "faces without area were left out"),
+            (
+                self.cut_polygons,
+                ["polygon was", "polygons were"],
+                "cut into triangles",
+            ),
+            (
+                self.dropped_faces,
+                ["face without area was", "faces without area were"],
+                "left out",
+            ),
             (
                 self.inward_bodies,
-                "closed parts have normals that point inwards, by which offsets and `fab --side` go",
+                ["closed part has", "closed parts have"],
+                "normals that point inwards, by which offsets and `fab --side` go",
             ),
         ];
-        let counted = counted.into_iter().filter(|&(count, _)| count > 0);
+        let counted = counted.into_iter().filter(|&(count, ..)| count > 0);
         let seams = (self.sewn_edges > 0).then(|| {
             let (edges, gap) = (self.sewn_edges, self.widest_gap);
             let gap = if gap > 0.0 {
@@ -141,10 +155,13 @@ impl SurfaceNotes {
             } else {
                 String::new()
             };
-            format!("{edges} edges of boundaries lay on one another and were joined{gap}")
+            format!("edges of boundaries that lay on one another were joined: {edges}{gap}")
         });
         counted
-            .map(|(count, what)| format!("{count} {what}"))
+            .map(|(count, [one, many], what)| match count {
+                1 => format!("1 {one} {what}"),
+                _ => format!("{count} {many} {what}"),
+            })
             .chain(seams)
             .chain(self.others.told())
             .collect()

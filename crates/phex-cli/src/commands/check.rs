@@ -66,7 +66,11 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
     tell(command.talk.quiet || command.json, &table)?;
     report.statistics = json!({ "indicatrix": indicatrix });
     if dropped > 0 {
-        let note = format!("{dropped} vertices belong to no face; vertex ids count the others");
+        let belong = match dropped {
+            1 => "1 vertex belongs".to_owned(),
+            n => format!("{n} vertices belong"),
+        };
+        let note = format!("{belong} to no face; vertex ids count the others");
         Reporter::new(&command.talk).note(&note);
         report.notes.push(note);
     }

@@ -183,7 +183,7 @@ fn check_leaves_out_unused_vertices_and_says_so() {
     shop.write("mesh.obj", honeycomb(2, 2, |_, p| p) + "v 9 9 9\n");
     let run = shop.succeed("check mesh.obj");
     assert!(
-        run.stderr.contains("1 vertices belong to no face"),
+        run.stderr.contains("1 vertex belongs to no face"),
         "{}",
         run.stderr
     );
@@ -294,8 +294,7 @@ fn info_says_what_is_wrong() {
     );
     let run = shop.succeed("info two.obj");
     assert!(
-        run.stdout.contains("components   2")
-            && run.stdout.contains("1 vertices belong to no face")
+        run.stdout.contains("components   2") && run.stdout.contains("1 vertex belongs to no face")
     );
     shop.write(
         "bad.obj",

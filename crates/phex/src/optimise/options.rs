@@ -252,13 +252,14 @@ impl OptimiseOptions {
         self
     }
 
-    /// What a workshop can make, and corners as blunt as is wished for.
-    pub(crate) fn panel_limits(&self) -> PanelLimits {
+    /// What a workshop can make, as far as panels of a mean area can keep it, and corners as blunt
+    /// as is wished for.
+    pub(crate) fn panel_limits(&self, mean_area: f64) -> PanelLimits {
         let wished = Some(self.wished_angle).filter(|angle| *angle > 0.0);
         let least = [self.panels.min_angle, wished].into_iter().flatten();
         PanelLimits {
             min_angle: least.max_by(f64::total_cmp),
-            ..self.panels
+            ..self.panels.within_reach(mean_area)
         }
     }
 

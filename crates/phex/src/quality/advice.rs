@@ -13,6 +13,20 @@ const OWN_FOLD: f64 = 89.0;
 /// What would help where panels are left whole at the boundary and run into each other.
 const OVERLAPS: &str = "panels that end at the boundary (--boundary snap or clip), where those of two sides of a slit overlap, or smaller ones";
 
+/// What would help where panels are spoilt: they are larger than what the surface does there.
+const MORE: &str = "more panels, or smaller ones there (--adaptive)";
+
+/// Checks that fail where panels are too large for the surface.
+const SPOILT: [&str; 7] = [
+    "clearance",
+    "edge_length",
+    "faces_not_simple",
+    "folded_corners",
+    "flipped_faces",
+    "wrong_fans",
+    "crossings",
+];
+
 /// Mean edges within which a crossing of panels is one of the surface: those of panels that meet
 /// there.
 const OWN_CROSSING: f64 = 2.0;
@@ -33,12 +47,14 @@ pub(super) fn with_advice(
             "at {own} of {crossings} the surface passes through itself: take away what lies inside, or leave them"
         )
     });
+    let more = judge.map(|_| MORE.to_owned());
     let overlaps = limits.leaves_boundary().then(|| OVERLAPS.to_owned());
     let advised = |check: Check| {
         let advice = match check.name {
             "folds" => &folds,
             "crossings" if own > 0 => &passes,
-            "crossings" | "faces_not_simple" => &overlaps,
+            "crossings" | "faces_not_simple" if overlaps.is_some() => &overlaps,
+            name if SPOILT.contains(&name) => &more,
             _ => &None,
         };
         let decisive = check.decisive && (check.name != "crossings" || own < crossings);

@@ -29,7 +29,8 @@ fn panel_check(
     (kind, limit): (PanelLimit, f64),
     figures: &[&LimitedFigure],
 ) -> Check {
-    let outside: Vec<&&LimitedFigure> = figures.iter().filter(|f| f.excess() > 0.0).collect();
+    let outside = figures.iter().copied().filter(|f| f.excess() > 0.0);
+    let outside: Vec<&LimitedFigure> = outside.collect();
     let worst = figures.first();
     let value = worst.map_or(limit, |f| f.value);
     let (scale, length) = scale_of(kind);
@@ -59,13 +60,9 @@ fn panel_check(
         ids,
         values,
         of_face,
+        advice: advice(&outside, panels),
         ..check
     }
-    .advised(&advice(
-        kind,
-        worst.map_or([limit; 2], |f| [f.limit, f.value]),
-        panels,
-    ))
 }
 
 /// What figures are given in, and whether they are lengths.
@@ -80,48 +77,81 @@ fn scale_of(kind: PanelLimit) -> (Scale, bool) {
     }
 }
 
-/// What would help where a figure is beyond its limit.
-fn advice(kind: PanelLimit, [limit, value]: [f64; 2], panels: usize) -> String {
-    let factor = match kind {
+/// What would help where figures of a kind are beyond their limit, the worst first.
+fn advice(outside: &[&LimitedFigure], panels: usize) -> Option<String> {
+    let kind = outside.first()?.kind;
+    let factor = |f: &LimitedFigure| match kind {
         // Joints turn by panel length times curvature.
-        PanelLimit::MinDihedral => (180.0 - value) / (180.0 - limit).max(1.0),
-        _ if kind.is_least() => limit / value,
-        _ => value / limit,
+        PanelLimit::MinDihedral => (180.0 - f.value) / (180.0 - f.limit).max(1.0),
+        _ => badness(f),
     };
-    let shrunk = |power: i32| match (panels as f64 * factor.powi(power)).ceil() {
-        enough if enough > MAX_PANELS as f64 => {
+    // Numbers of panels by the mean of the factors and by the worst, if all sizes change alike.
+    let counts = |power: i32| {
+        let all: Vec<f64> = (outside.iter())
+            .map(|f| panels as f64 * factor(f).powi(power))
+            .collect();
+        [all.iter().sum::<f64>() / all.len() as f64, all[0]]
+    };
+    let shrunk = |power: i32| match counts(power).map(f64::ceil) {
+        [enough, _] if enough > MAX_PANELS as f64 => {
             format!(
                 "a wider limit: {MAX_PANELS} panels, the most that are made, would not be enough"
             )
         }
-        enough => format!("about {enough} panels would do, perhaps fewer, if all shrink alike"),
+        counts => format!("about {}, if all shrink alike", by_mean_and_worst(counts)),
     };
-    match kind {
+    Some(match kind {
         PanelLimit::MaxPanel | PanelLimit::MaxEdge | PanelLimit::MinDihedral => shrunk(2),
         PanelLimit::MaxArea => shrunk(1),
         PanelLimit::MaxDihedral => {
             "fewer panels: joints turn by panel length times curvature; where the surface is flat none do".to_owned()
         }
         PanelLimit::MinEdge => format!(
-            "about {} panels, if all grow alike; at the boundary another --boundary",
-            (panels as f64 / (factor * factor)).floor().max(1.0)
+            "about {}, if all grow alike; at the boundary another --boundary",
+            by_mean_and_worst(counts(-2).map(|n| n.floor().max(1.0)))
         ),
         PanelLimit::MinAngle | PanelLimit::MaxAspect => {
             "another --rotate, --boundary or number of panels; where the surface bends one way only panels are long".to_owned()
         }
+    })
+}
+
+/// Numbers of panels that would do by the mean of those beyond a limit, and by the worst of them.
+fn by_mean_and_worst([mean, worst]: [f64; 2]) -> String {
+    if mean == worst {
+        return format!("{mean} panels");
     }
+    format!("{mean} panels by the mean of those beyond it, {worst} by the worst")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use phex_mesh::Vec3;
 
     #[test]
-    fn the_panels_that_help_are_no_upper_limit() {
-        let told = advice(PanelLimit::MaxEdge, [1.0, 2.0], 100);
+    fn the_panels_that_help_are_between_those_of_the_mean_and_of_the_worst() {
+        let figure = |value: f64| LimitedFigure {
+            kind: PanelLimit::MaxEdge,
+            limit: 1.0,
+            value,
+            element: 0,
+            faces: [None; 2],
+            place: Vec3::zeros(),
+        };
+        let told = |values: &[f64]| {
+            let figures: Vec<LimitedFigure> = values.iter().copied().map(figure).collect();
+            let of: Vec<&LimitedFigure> = figures.iter().collect();
+            advice(&of, 100)
+        };
+        assert_eq!(told(&[]), None);
         assert_eq!(
-            told,
-            "about 400 panels would do, perhaps fewer, if all shrink alike"
+            told(&[2.0]).unwrap(),
+            "about 400 panels, if all shrink alike"
+        );
+        assert_eq!(
+            told(&[3.0, 1.0]).unwrap(),
+            "about 500 panels by the mean of those beyond it, 900 by the worst, if all shrink alike"
         );
     }
 }

@@ -167,7 +167,7 @@ impl Site<'_> {
             false => 0.0,
         };
         let panels = |f: FaceId| {
-            let mut limits = self.options.panel_limits();
+            let mut limits = self.options.panel_limits(yardstick.mean_area);
             if yardstick.shapes >= Shapes::Corners {
                 let wanted = yardstick.wanted_size(topology.is_boundary_face(f), wished[f.index()]);
                 let least =

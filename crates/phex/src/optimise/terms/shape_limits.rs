@@ -87,7 +87,7 @@ impl FaceLimits {
         let unit = options.wished_clearance * panels.mean_edge(x);
         let limit = options.max_deviation;
         Self {
-            panels: vec![options.panel_limits(); areas.len()],
+            panels: vec![options.panel_limits(mean); areas.len()],
             clearance: (areas.iter())
                 .map(|a| unit * wanted_clearance(a / mean))
                 .collect(),
