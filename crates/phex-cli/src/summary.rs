@@ -374,7 +374,7 @@ fn areas(measures: &MeshMeasures) -> String {
         let ids: Vec<usize> = measures.small_faces.iter().map(|f| f.index()).collect();
         let _ = write!(
             text,
-            "; {} have less than {LEAST_RIM_AREA}: {}",
+            "; below {LEAST_RIM_AREA}: {} ({})",
             ids.len(),
             listed("faces", &ids)
         );

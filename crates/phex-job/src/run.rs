@@ -438,17 +438,17 @@ pub fn add_features(
     warning
 }
 
-/// Distance of panels from the facets, by the limit on that from the smooth surface, from which on
-/// it is told.
+/// Distance of panels from the facets, by the limit on that from the smooth surface, or by that
+/// itself where it is beyond it, from which on it is told.
 const FAR_FROM_FACETS: f64 = 2.0;
 
-/// Adds a sentence to a report, and returns it, where panels within their limit of the smooth
-/// surface are far from the facets that were given.
+/// Adds a sentence to a report, and returns it, where panels are near the smooth surface and far
+/// from the facets that were given.
 fn add_coarse_input(report: &mut RunReport) -> Option<String> {
     let far = report.deviation_facets.as_ref()?.deviation_max;
     report.deviation_smooth.as_ref()?;
     let check = report.checks.iter().find(|c| c.name == "deviation")?;
-    let is_told = check.pass && far > FAR_FROM_FACETS * check.limit;
+    let is_told = far > FAR_FROM_FACETS * check.limit.max(check.value);
     let warning = is_told.then(|| {
         format!(
             "panels are up to {:.1} % of the diagonal off the given facets: the facets are large, and the smooth surface \

@@ -15,6 +15,8 @@ const SAMPLES: usize = 4000;
 const FLAT: f64 = 0.02;
 /// Smaller over larger curvature below which a place is curved one way only.
 const ONE_WAY: f64 = 0.05;
+/// Share of the area with one sign of curvature from which on a Koebe mesh may do.
+const OF_ONE_SIGN: f64 = 0.999;
 /// Angle between the normals of two triangles from which on their edge is a crease, in degrees:
 /// what `--crease` takes.
 const CREASE: f64 = 30.0;
@@ -56,6 +58,9 @@ pub struct SurfaceKind {
     /// Curvature of places, and the area of each.
     #[serde(skip)]
     places: Vec<(Principal, f64)>,
+    /// Whether the surface is a sphere or a disc but for its shape.
+    #[serde(skip)]
+    is_simple: bool,
 }
 
 /// A number of panels, and what to expect of it; lengths in model units.
@@ -94,6 +99,7 @@ impl SurfaceKind {
             crosses_at: surface.self_crossings().first().map(|&p| p.into()),
             area,
             places,
+            is_simple: is_simple(surface),
         }
     }
 
@@ -157,7 +163,8 @@ impl SurfaceKind {
         let mut sentences: Vec<String> = shown
             .map(|(share, what)| format!("{} of the area is {what}", percent(*share)))
             .collect();
-        if self.domes > 0.995 || self.saddles > 0.995 {
+        let largest = self.domes.max(self.saddles);
+        if self.is_simple && largest > OF_ONE_SIGN {
             sentences
                 .push("one sign of K: `--method koebe` may give beams of one height".to_owned());
         }
@@ -212,6 +219,13 @@ fn at_most(figures: impl Iterator<Item = (f64, f64)>) -> f64 {
         below >= MOST * whole
     });
     found.map_or(0.0, |f| f.0)
+}
+
+/// Whether a surface has no handle, and one boundary curve at the most.
+fn is_simple(surface: &TriangleSurface) -> bool {
+    let topology = surface.topology();
+    let loops = topology.boundary_loops().len() as i64;
+    loops <= 1 && topology.euler_characteristic() as i64 + loops == 2
 }
 
 fn creases(surface: &TriangleSurface) -> usize {

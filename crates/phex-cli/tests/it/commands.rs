@@ -591,7 +591,7 @@ fn tiny_inner_panels_are_listed() {
     shop.write("mesh.obj", vertices.collect::<String>() + &faces.concat());
     let run = shop.phex("check mesh.obj --report run.json");
     assert!(
-        run.stdout.contains("1 have less than 0.25: faces 4"),
+        run.stdout.contains("below 0.25: 1 (faces 4)"),
         "{}",
         run.stdout
     );

@@ -179,7 +179,11 @@ fn told_not_discs(panels: usize, place: Vec3, handles: usize) -> String {
              surfaces have by mistake, must be closed first)"
         ),
     };
-    format!("{panels} panels could not be made discs, the first near ({x:.6}, {y:.6}, {z:.6}){why}")
+    let place = format!("({x:.6}, {y:.6}, {z:.6})");
+    match panels {
+        1 => format!("a panel could not be made a disc, near {place}{why}"),
+        _ => format!("{panels} panels could not be made discs, the first near {place}{why}"),
+    }
 }
 
 /// What the position step reached.

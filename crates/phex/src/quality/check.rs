@@ -278,7 +278,9 @@ fn nearer(panels: usize, [limit, value]: [f64; 2], or: &str) -> String {
                 a spike of the surface there"
             .to_owned();
     }
-    format!("about {enough} panels, if all shrink alike, {or}, or a larger deviation")
+    format!(
+        "about {enough} panels instead of {panels}, if all shrink alike, {or}, or a larger deviation"
+    )
 }
 
 fn deviation_check(mesh: &HexMesh, deviation: &Deviation, limit: f64) -> Check {
