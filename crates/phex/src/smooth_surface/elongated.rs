@@ -15,7 +15,8 @@
 //! they bend by themselves, as the boundary does ([`super::opened`]).
 
 use super::coarsen::delaunay;
-use super::opened::{Opened, is_crease};
+use super::creases::creases;
+use super::opened::Opened;
 use super::slivers::{IN_PLANE, without_slivers};
 use super::{Refinement, SmoothTarget};
 use phex_mesh::{EdgeId, FaceId, PerEdge, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
@@ -128,7 +129,7 @@ fn is_elongated(surface: &TriangleSurface, spacing: f64) -> bool {
     let equilateral = 0.25 * 3.0_f64.sqrt();
     let topology = surface.topology();
     let mut at_crease = PerVertex::filled(topology.n_vertices(), false);
-    for e in topology.edges().filter(|e| is_crease(surface, *e)) {
+    for (e, _) in creases(surface).enumerate().filter(|(_, is)| **is) {
         let ends = topology.edge_vertices(e);
         ends.into_iter().for_each(|v| at_crease[v] = true);
     }

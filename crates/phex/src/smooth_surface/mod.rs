@@ -19,6 +19,7 @@
 
 mod affinity;
 mod coarsen;
+mod creases;
 mod elongated;
 pub(crate) mod extend;
 mod local;

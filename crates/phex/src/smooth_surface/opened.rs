@@ -3,22 +3,11 @@
 //! What is fitted to a surface that is open there (normals, cubics over edges) knows nothing of
 //! what is beyond. Each vertex of a crease becomes one for each of the parts that meet in it.
 
-use phex_mesh::{EdgeId, FaceId, HalfEdgeId, PerVertex, TriangleSurface, Vec3, VertexId};
+use super::creases::creases;
+use phex_mesh::{
+    EdgeId, FaceId, HalfEdgeId, PerEdge, PerVertex, Topology, TriangleSurface, Vec3, VertexId,
+};
 use std::collections::HashMap;
-
-/// Cosine of the angle between triangles from which on their common edge is a crease.
-pub(super) const CREASE: f64 = 0.75;
-
-/// Whether two triangles meet in an edge at a sharp angle.
-pub(super) fn is_crease(surface: &TriangleSurface, e: EdgeId) -> bool {
-    let topology = surface.topology();
-    let h = topology.edge_half_edge(e);
-    let Some(twin) = topology.twin(h) else {
-        return false;
-    };
-    let [m, n] = [h, twin].map(|h| surface.area_vector(topology.face(h)));
-    m.dot(&n) < CREASE * m.norm() * n.norm()
-}
 
 /// Which vertices of an open surface are one.
 pub(super) struct Opened {
@@ -37,11 +26,11 @@ impl Opened {
     /// The surface cut open, numbered as it was: those of a closed surface are its vertices.
     pub(super) fn along_creases(surface: &TriangleSurface) -> (Self, TriangleSurface) {
         let topology = surface.topology();
-        let before = topology.n_vertices();
+        let (before, creases) = (topology.n_vertices(), creases(surface));
         let mut corners: Vec<[u32; 3]> = surface.triangles().collect();
         let mut number: Vec<u32> = (0..before as u32).collect();
         for v in topology.vertices() {
-            for part in parts(surface, v).into_iter().skip(1) {
+            for part in parts(topology, &creases, v).into_iter().skip(1) {
                 let new = number.len() as u32;
                 number.push(v.index() as u32);
                 for f in part {
@@ -122,10 +111,9 @@ impl Opened {
 }
 
 /// The faces at a vertex, those together that no crease is between.
-fn parts(surface: &TriangleSurface, v: VertexId) -> Vec<Vec<FaceId>> {
-    let topology = surface.topology();
+fn parts(topology: &Topology, creases: &PerEdge<bool>, v: VertexId) -> Vec<Vec<FaceId>> {
     let out: Vec<HalfEdgeId> = topology.outgoing(v).collect();
-    let is_crease = |h: HalfEdgeId| is_crease(surface, topology.edge(h));
+    let is_crease = |h: HalfEdgeId| creases[topology.edge(h)];
     let mut parts: Vec<Vec<FaceId>> = Vec::new();
     for h in &out {
         match parts.last_mut().filter(|_| !is_crease(*h)) {

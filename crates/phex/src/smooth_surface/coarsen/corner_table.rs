@@ -4,7 +4,7 @@
 //! stored. Half-edges of a triangle that is gone have no origin, and vertices that are gone no
 //! half-edge.
 
-use phex_mesh::{HalfEdgeId, Topology};
+use phex_mesh::{HalfEdgeId, PerEdge, Topology};
 
 /// No half-edge, no vertex.
 pub(super) const NONE: u32 = u32::MAX;
@@ -33,7 +33,7 @@ pub(super) fn prev(h: u32) -> u32 {
 
 impl CornerTable {
     /// The table of a triangle mesh.
-    pub fn of(topology: &Topology, is_crease: impl Fn(HalfEdgeId) -> bool) -> Self {
+    pub fn of(topology: &Topology, creases: &PerEdge<bool>) -> Self {
         let half_edge = |h: Option<HalfEdgeId>| h.map_or(NONE, |h| h.index() as u32);
         let first = |v| half_edge(topology.outgoing(v).next());
         let all = || topology.half_edges();
@@ -41,7 +41,7 @@ impl CornerTable {
             origin: all().map(|h| topology.origin(h).index() as u32).collect(),
             twin: all().map(|h| half_edge(topology.twin(h))).collect(),
             outgoing: topology.vertices().map(first).collect(),
-            crease: all().map(is_crease).collect(),
+            crease: all().map(|h| creases[topology.edge(h)]).collect(),
             n_vertices: topology.n_vertices(),
         }
     }

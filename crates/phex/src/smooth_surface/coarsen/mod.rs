@@ -14,9 +14,9 @@ mod collapse;
 mod corner_table;
 mod flips;
 
-use super::opened::CREASE;
+use super::creases::creases;
 use corner_table::{CornerTable, NONE};
-use phex_mesh::{HalfEdgeId, PerFace, PerVertex, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
 
 /// A surface with fewer vertices.
 #[derive(Clone)]
@@ -71,18 +71,12 @@ struct ChangingMesh {
 impl ChangingMesh {
     fn of(surface: &TriangleSurface, corners: &[VertexId], wanted: usize) -> Self {
         let topology = surface.topology();
-        let area = PerFace::from_fn(topology.n_faces(), |f| surface.area_vector(f));
-        let is_crease = |h: HalfEdgeId| {
-            topology.across(h).is_some_and(|g| {
-                let [m, n] = [area[topology.face(h)], area[g]];
-                m.dot(&n) < CREASE * m.norm() * n.norm()
-            })
-        };
+        let creases = creases(surface);
         let n = topology.n_vertices();
         let mut corner = vec![false; n];
         corners.iter().for_each(|v| corner[v.index()] = true);
         Self {
-            table: CornerTable::of(topology, is_crease),
+            table: CornerTable::of(topology, &creases),
             position: surface.positions().as_slice().to_vec(),
             normal: surface.normals().as_slice().to_vec(),
             spacing: (surface.area() * 2.0 / (3.0_f64.sqrt() * wanted.max(1) as f64)).sqrt(),
