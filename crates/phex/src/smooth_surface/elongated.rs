@@ -19,7 +19,10 @@ use super::creases::creases;
 use super::opened::Opened;
 use super::slivers::{IN_PLANE, without_slivers};
 use super::{Refinement, SmoothTarget};
-use phex_mesh::{EdgeId, FaceId, PerEdge, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{
+    EdgeId, FaceId, HalfEdgeId, PerEdge, PerFace, PerVertex, Topology, TriangleSurface, Vec3,
+    VertexId,
+};
 
 /// Square of the longest edge over the area, that of an equilateral triangle being 1, from which on
 /// a triangle is long: one that is half of a rectangle of sides 2 and 5 has 2.5.
@@ -41,6 +44,8 @@ const MANY: usize = 40;
 const MORE: usize = 4;
 /// Times that edges are halved at the most.
 const ROUNDS: usize = 12;
+/// Cosine of the angle between triangles of one plane face: single precision turns slivers by less.
+const IN_ONE_PLANE: f64 = 1.0 - 2e-6;
 /// Turn of the boundary, degrees, from which on a vertex is a corner.
 const CORNER: f64 = 40.0;
 /// Height over the boundary, in units of the spacing, below which a triangle there is taken away.
@@ -78,6 +83,7 @@ pub(crate) fn cut_short(
     let mut steps = Vec::new();
     let calm = without_slivers(surface, SLIVER * spacing, mirrors);
     let (mut opened, open) = Opened::along_creases(calm.as_ref().unwrap_or(surface));
+    let open = with_flat_normals(open);
     let normals = arched_normals(&open);
     let mut now = open.with_normals(normals);
     let most = (MANY * wanted).max(MORE * now.positions().len());
@@ -89,7 +95,7 @@ pub(crate) fn cut_short(
             break;
         };
         opened.split(&now, &split);
-        now = finer;
+        now = opened.in_step(finer);
         steps.push(step);
     }
     let surface = opened.glued(&now)?;
@@ -98,6 +104,61 @@ pub(crate) fn cut_short(
         opened,
         steps,
     })
+}
+
+/// The surface with normals for which each triangle counts by its angle at the vertex and by the
+/// area of the plane face that it is a part of: where a fillet runs into a plane face the normal is
+/// that of the plane, which would bulge over all of its length otherwise.
+fn with_flat_normals(surface: TriangleSurface) -> TriangleSurface {
+    let topology = surface.topology();
+    let area = areas_of_plane_faces(&surface);
+    let normals = PerVertex::from_fn(topology.n_vertices(), |v| {
+        let of_triangle = |h: HalfEdgeId| {
+            let [next, before] = [topology.target(h), topology.origin(topology.prev(h))];
+            let way = |w: VertexId| surface.positions()[w] - surface.positions()[v];
+            let f = topology.face(h);
+            let normal = surface.area_vector(f).try_normalize(0.0);
+            normal.map_or(Vec3::zeros(), |n| {
+                n * (way(next).angle(&way(before)) * area[f])
+            })
+        };
+        let sum: Vec3 = topology.outgoing(v).map(of_triangle).sum();
+        sum.try_normalize(0.0).unwrap_or(surface.normals()[v])
+    });
+    surface.with_normals(normals)
+}
+
+/// Area of the plane face that each triangle is a part of.
+fn areas_of_plane_faces(surface: &TriangleSurface) -> PerFace<f64> {
+    let topology = surface.topology();
+    let normal = PerFace::from_fn(topology.n_faces(), |f| {
+        surface.area_vector(f).try_normalize(0.0)
+    });
+    let are_one = |f: FaceId, g: FaceId| {
+        let pair = normal[f].zip(normal[g]);
+        pair.is_some_and(|(m, n)| m.dot(&n) > IN_ONE_PLANE)
+    };
+    let mut area = PerFace::filled(topology.n_faces(), f64::NAN);
+    for first in topology.faces() {
+        if !area[first].is_nan() {
+            continue;
+        }
+        area[first] = 0.0;
+        let (mut part, mut done) = (vec![first], 0);
+        while done < part.len() {
+            let f = part[done];
+            done += 1;
+            for g in topology.adjacent_faces(f) {
+                if area[g].is_nan() && are_one(f, g) {
+                    area[g] = 0.0;
+                    part.push(g);
+                }
+            }
+        }
+        let whole: f64 = part.iter().map(|f| surface.face_area(*f)).sum();
+        part.iter().for_each(|f| area[*f] = whole);
+    }
+    area
 }
 
 /// Normals with which the surface goes on bending up to its boundary: triangles there lie on one

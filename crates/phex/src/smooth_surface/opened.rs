@@ -75,6 +75,18 @@ impl Opened {
         }
     }
 
+    /// The refined surface with the vertices that are one at one place, so that edges on both sides
+    /// of a crease are split together: cubics over them differ where a corner is on one side alone.
+    pub(super) fn in_step(&self, surface: TriangleSurface) -> TriangleSurface {
+        if self.open == self.before {
+            return surface;
+        }
+        let one = |v: VertexId| VertexId::new(self.first[self.number[v.index()] as usize]);
+        let places = PerVertex::from_fn(self.number.len(), |v| surface.positions()[one(v)]);
+        let normals = surface.normals().clone();
+        TriangleSurface::from_topology(places, surface.topology().clone()).with_normals(normals)
+    }
+
     /// The refined surface with what was cut open closed again; `None` if that is no manifold.
     pub(super) fn glued(&self, surface: &TriangleSurface) -> Option<TriangleSurface> {
         if self.open == self.before {
