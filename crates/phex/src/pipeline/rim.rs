@@ -1,12 +1,10 @@
-//! The last steps at the boundary: vertices exactly on the boundary curve where panels allow it,
-//! and corners of panels where their edges would cut the curve short.
+//! Where vertices are held at the boundary.
 
 use super::{MeshOptions, PipelineError};
-use crate::optimise::{self, BoundaryHold, OptimiseError, Optimised, Quotient, SurfaceTarget};
+use crate::optimise::{self, BoundaryHold, Optimised, SurfaceTarget};
 use crate::progress::Progress;
-use crate::search::Site;
 use crate::smooth_surface::boundary_corners;
-use crate::trim::{Boundary, follow};
+use crate::trim::Boundary;
 use phex_mesh::{BoundaryCurve, HexMesh, TriangleSurface, Vec3};
 
 /// Where vertices of the boundary are held.
@@ -40,17 +38,6 @@ impl Rim {
     }
 }
 
-/// The mesh with further corners where its edges would cut the boundary short; `None` where there
-/// are none.
-pub(super) fn follow_rim(
-    mesh: &HexMesh,
-    surface: &TriangleSurface,
-    options: &MeshOptions,
-) -> Option<HexMesh> {
-    let corner_angle = options.target.corner_angle.to_radians();
-    follow::followed(mesh, surface, corner_angle, options.limits().boundary_rel)
-}
-
 /// The mesh with vertices held as the user wants it, those on the boundary of `surface` staying
 /// there where that can be.
 pub(super) fn steered(
@@ -75,22 +62,4 @@ pub(super) fn steered(
 pub(super) fn corner_points(surface: &TriangleSurface, options: &MeshOptions) -> Vec<Vec3> {
     let corners = boundary_corners(surface, options.target.corner_angle.to_radians());
     corners.iter().map(|v| surface.positions()[*v]).collect()
-}
-
-/// The mesh with the ends of interior edges on the boundary, and vertices near its corners on
-/// these.
-pub(super) fn on_curve(
-    mesh: &HexMesh,
-    site: &Site<'_>,
-    rim: &Rim,
-    progress: &dyn Progress,
-) -> Result<Option<Optimised>, OptimiseError> {
-    optimise::onto_boundary(
-        mesh,
-        site.close_to,
-        &rim.hold(),
-        &Quotient::default(),
-        site.options,
-        progress,
-    )
 }

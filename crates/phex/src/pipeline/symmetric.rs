@@ -6,6 +6,7 @@
 //! itself there.
 
 use super::domain::{Ground, without_long_triangles};
+use super::finish::JudgedMesh;
 use super::laid_out::LaidOut;
 use super::repeated::made_equal;
 use super::rim::corner_points;
@@ -340,10 +341,9 @@ fn on_boundary(
     let next = clock.timed("optimise", || {
         optimise::onto_boundary(&mesh, target, hold, quotient, site.options, progress)
     })?;
-    let merit = |mesh: &HexMesh| site.judged(mesh).merit;
-    let is_no_worse = |next: &HexMesh| merit(next).is_no_worse(&merit(&mesh));
-    let next = next.map(|next| next.mesh).filter(is_no_worse);
-    Ok(next.unwrap_or(mesh))
+    let mut now = JudgedMesh::new(mesh, site);
+    now.offer(next.map(|next| next.mesh));
+    Ok(now.mesh)
 }
 
 /// A fundamental domain on its way to panels, scaled to diagonal 1 about a point of all planes.
