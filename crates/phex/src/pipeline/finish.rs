@@ -2,8 +2,7 @@
 //! finds more that is invalid or outside limits.
 
 use super::domain::Ground;
-use super::rim::Rim;
-use super::{Clock, PipelineError};
+use super::{Clock, PipelineError, rim};
 use crate::optimise::{self, Quotient};
 use crate::quality::Judgement;
 use crate::search::Site;
@@ -48,13 +47,19 @@ pub(super) fn finished(
     let mut now = clock.timed("validate", || JudgedMesh::new(trimmed, site));
     clock.unless_unwanted()?;
     let is_valid = now.judgement.merit.invalid == 0.0;
-    if let Some(rim) = Rim::kept(surface, options).filter(|_| is_valid && !progress.is_cancelled())
-    {
+    let hold = rim::held(surface, options);
+    if let Some(hold) = hold.filter(|_| is_valid && !progress.is_cancelled()) {
         // The ends of interior edges on the boundary, and vertices near its corners on these.
         let (quotient, settings) = (Quotient::default(), site.options);
         let next = clock.timed("optimise", || {
-            let (mesh, hold) = (&now.mesh, rim.hold());
-            optimise::onto_boundary(mesh, site.close_to, &hold, &quotient, settings, progress)
+            optimise::onto_boundary(
+                &now.mesh,
+                site.close_to,
+                &hold,
+                &quotient,
+                settings,
+                progress,
+            )
         })?;
         now.offer(next.map(|n| n.mesh));
         // Further corners where edges would cut the boundary short.

@@ -7,35 +7,13 @@ use crate::smooth_surface::boundary_corners;
 use crate::trim::Boundary;
 use phex_mesh::{BoundaryCurve, HexMesh, TriangleSurface, Vec3};
 
-/// Where vertices of the boundary are held.
-pub(super) struct Rim {
-    curves: BoundaryCurve,
-    corners: Vec<Vec3>,
-}
-
-impl Rim {
-    /// The boundary of a surface; `None` if it is closed.
-    fn of(surface: &TriangleSurface, options: &MeshOptions) -> Option<Self> {
-        Some(Self {
-            curves: BoundaryCurve::of(surface)?,
-            corners: corner_points(surface, options),
-        })
-    }
-
-    /// The same where the mesh ends at the boundary, `None` also where panels stay whole.
-    pub fn kept(surface: &TriangleSurface, options: &MeshOptions) -> Option<Self> {
-        match options.boundary {
-            Boundary::Whole => None,
-            _ => Self::of(surface, options),
-        }
-    }
-
-    pub fn hold(&self) -> BoundaryHold<'_> {
-        BoundaryHold {
-            curves: &self.curves,
-            corners: &self.corners,
-        }
-    }
+/// The boundary of a surface where a mesh ends at it; `None` if it is closed, or panels stay whole.
+pub(super) fn held(surface: &TriangleSurface, options: &MeshOptions) -> Option<BoundaryHold> {
+    let ends = options.boundary != Boundary::Whole;
+    Some(BoundaryHold {
+        curves: ends.then(|| BoundaryCurve::of(surface)).flatten()?,
+        corners: corner_points(surface, options),
+    })
 }
 
 /// The mesh with vertices held as the user wants it, those on the boundary of `surface` staying
@@ -48,14 +26,13 @@ pub(super) fn steered(
 ) -> Result<Optimised, PipelineError> {
     let target = SurfaceTarget::new(surface);
     let (steering, settings) = (&options.steering, &options.optimise);
-    let held = match Rim::kept(surface, options) {
+    let made = match held(surface, options) {
         None => optimise::steer(mesh, Some(&target), steering, settings, progress),
-        Some(rim) => {
-            let hold = rim.hold();
+        Some(hold) => {
             optimise::steer_on_boundary(mesh, &target, steering, &hold, settings, progress)
         }
     };
-    Ok(held?)
+    Ok(made?)
 }
 
 /// Sharp corners of the boundary.

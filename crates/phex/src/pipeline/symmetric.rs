@@ -461,8 +461,8 @@ impl<'a> DomainPanels<'a> {
         let mut corners = corner_points(reported, options);
         corners.retain(|p| walls.iter().all(|n| n.dot(p).abs() > 1e-9));
         let hold = target.boundary().map(|curves| BoundaryHold {
-            curves,
-            corners: &corners,
+            curves: curves.clone(),
+            corners,
         });
         let site = Site {
             judge: &judge,
