@@ -80,12 +80,7 @@ pub fn of_assessment(assessment: &Assessment, limits: &TypedLimits, every_check:
 
 /// The last line of the table.
 pub fn of_verdict(verdict: Verdict) -> String {
-    let word = match verdict {
-        Verdict::Pass => "PASS",
-        Verdict::OutsideTolerance => "OUTSIDE TOLERANCE",
-        Verdict::Invalid => "INVALID",
-    };
-    line("verdict", word)
+    line("verdict", verdict)
 }
 
 /// The checks that were not made, a line for each reason; none if all were.

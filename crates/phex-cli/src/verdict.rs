@@ -25,14 +25,8 @@ pub fn or_promised(
     boundary: Option<Boundary>,
     promised: Option<TypedLimits>,
 ) -> TypedLimits {
-    let promised = promised.unwrap_or_default();
-    TypedLimits {
-        planarity: limits.planarity.or(promised.planarity),
-        max_deviation: limits.max_deviation.unwrap_or(promised.max_deviation),
-        unit: limits.unit.unwrap_or(promised.unit),
-        boundary: boundary.or(promised.boundary),
-        panels: promised.panels,
-    }
+    let typed = (limits.planarity, limits.max_deviation);
+    (promised.unwrap_or_default()).under(typed, limits.unit, boundary)
 }
 
 /// The exit code of a run that made a mesh.

@@ -1,7 +1,7 @@
 //! A contact sheet as a page: meshes side by side, with what is said of each.
 
 use crate::escape::escaped;
-use crate::page::{POLICY, STYLE, VIEW_STYLE};
+use crate::page::head;
 use crate::pictures::address;
 use phex_picture::{ContactTile, common_azimuth, contact_sheet};
 use std::path::Path;
@@ -68,13 +68,9 @@ pub fn contact_page(title: &str, heading: &str, tiles: &[ContactTile<'_>]) -> St
     let figures: String = tiles.iter().map(|tile| figure(tile, azimuth)).collect();
     let title = escaped(title);
     format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
-         <link rel=\"icon\" href=\"data:,\">\n<title>{title} – phex contact sheet</title>\n\
-         <style>\n{VIEW_STYLE}{STYLE}</style>\n</head>\n<body>\n<header>\n<div class=\"title\">\
-         <span class=\"brand\">phex</span><h1>{title}</h1></div>\n</header>\n<main>\n\
+        "{}<body>\n<header>\n<div class=\"title\"><span class=\"brand\">phex</span><h1>{title}</h1></div>\n</header>\n<main>\n\
          <p class=\"note\">{}</p>\n<div class=\"gallery\">\n{figures}</div>\n</main>\n</body>\n</html>\n",
+        head(&title, "contact sheet"),
         escaped(heading)
     )
 }

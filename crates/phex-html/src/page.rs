@@ -12,11 +12,11 @@ use phex::quality::{Assessment, Verdict};
 use phex_mesh::{FaceId, Vec3};
 use phex_picture::maps::{ColourMap, Map, Range, Subject, principal_at_panels};
 
-pub(crate) const STYLE: &str = include_str!("report.css");
+const STYLE: &str = include_str!("report.css");
 /// The style of the interactive view's parts; colours are variables, which the page sets.
 pub const VIEW_STYLE: &str = include_str!("view.css");
 /// What the page may load: its own scripts, styles and pictures, and nothing from anywhere else.
-pub(crate) const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:";
+const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:";
 
 /// The report as one HTML file; without a viewer it has pictures and tables, and says so.
 ///
@@ -25,7 +25,7 @@ pub(crate) const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline';
 pub fn page(report: &Report<'_>, viewer: Option<Viewer>) -> serde_json::Result<String> {
     let maps = maps(report);
     let mut html = String::new();
-    html.push_str(&head(report));
+    html.push_str(&head(&escaped(report.title), "report"));
     html.push_str("<body>\n");
     html.push_str(&header(report));
     let stage = if viewer.is_some() {
@@ -120,13 +120,13 @@ fn range(map: Map) -> Range {
     }
 }
 
-fn head(report: &Report<'_>) -> String {
-    let title = escaped(report.title);
+/// The head of a page with an escaped title and a word on what it is.
+pub(crate) fn head(title: &str, what: &str) -> String {
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
-         <link rel=\"icon\" href=\"data:,\">\n<title>{title} – phex report</title>\n<style>\n{VIEW_STYLE}{STYLE}</style>\n</head>\n"
+         <link rel=\"icon\" href=\"data:,\">\n<title>{title} – phex {what}</title>\n<style>\n{VIEW_STYLE}{STYLE}</style>\n</head>\n"
     )
 }
 

@@ -12,7 +12,7 @@ use phex::optimise::{
     self, OptimiseError, OptimiseOptions, START_CLOSENESS, Steering, SurfaceTarget, Target,
 };
 use phex::pipeline::{self, AttemptSummary, ClassicalStatistics, NetworkCurves, network_curves};
-use phex::report::StageTime;
+use phex::report::{RunReport, StageTime};
 use phex::{Beyond, MeshOptions, MeshRun, PipelineError, Progress, Session};
 use phex_mesh::{HexMesh, PerFace, PolygonSoup, TriangleSurface};
 use phex_numeric::{Outcome, Status};
@@ -50,6 +50,13 @@ pub struct Computed {
 }
 
 impl Computed {
+    /// Tells in a report how it came about.
+    pub fn describe(&self, report: &mut RunReport) {
+        report.outcome = self.outcome.clone();
+        report.statistics = self.statistics.clone();
+        report.stages = self.stages.clone();
+    }
+
     /// A mesh alone, whose panels may have any area.
     fn of(mesh: HexMesh) -> Self {
         Self {

@@ -48,7 +48,7 @@ impl MeshFile {
         let (soup, others) = parsed?;
         let record = InputFile {
             path: path.display().to_string(),
-            sha256: hexadecimal(&Sha256::digest(bytes)),
+            sha256: sha256(bytes),
             vertices: soup.positions.len(),
             faces: soup.faces.len(),
         };
@@ -144,6 +144,11 @@ impl MeshFile {
         };
         Ok((mesh, notes.sentences()))
     }
+}
+
+/// SHA-256 of bytes, hexadecimal.
+pub fn sha256(bytes: impl AsRef<[u8]>) -> String {
+    hexadecimal(&Sha256::digest(bytes))
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {

@@ -4,10 +4,10 @@ use crate::error::JobError;
 use crate::panel_limits::LimitSettings;
 use crate::settings::{DEFAULT_DEVIATION, MeshSettings};
 use crate::units::{Quantity, Unit};
-use phex::Boundary;
 use phex::optimise::OptimiseOptions;
 use phex::quality::{Assessment, Check, Reading, References, Scale};
 use phex::report::RunReport;
+use phex::{Boundary, continued};
 use phex_mesh::{HexMesh, LARGEST_COORDINATE, TriangleSurface};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -53,7 +53,7 @@ impl From<&MeshSettings> for TypedLimits {
         Self {
             planarity: settings.planarity,
             max_deviation: settings.max_deviation(),
-            unit: settings.unit.unwrap_or_default(),
+            unit: settings.unit(),
             boundary: Some(stages.boundary),
             panels: settings.limits,
         }
@@ -84,6 +84,22 @@ impl TypedLimits {
         let most = self.max_deviation.length(self.unit, whole) / extent;
         options.max_deviation = (most > 0.0).then_some(most);
         options.panels = self.panels.in_units(self.unit, whole);
+    }
+
+    /// What is typed, and where nothing is these.
+    pub fn under(
+        self,
+        (planarity, max_deviation): (Option<Quantity>, Option<Quantity>),
+        unit: Option<Unit>,
+        boundary: Option<Boundary>,
+    ) -> Self {
+        Self {
+            planarity: planarity.or(self.planarity),
+            max_deviation: max_deviation.unwrap_or(self.max_deviation),
+            unit: unit.unwrap_or(self.unit),
+            boundary: boundary.or(self.boundary),
+            ..self
+        }
     }
 
     fn limits(&self, mesh: &HexMesh, surface: Option<&TriangleSurface>) -> phex::quality::Limits {
@@ -118,6 +134,28 @@ impl TypedLimits {
             };
         }
         assessment
+    }
+
+    /// Judges a finished mesh against the surfaces that it stands for; where whole panels may stick
+    /// out of these, they go on beyond their boundary.
+    pub fn judge_finished(
+        &self,
+        mesh: &HexMesh,
+        smooth: Option<&TriangleSurface>,
+        facets: Option<&TriangleSurface>,
+    ) -> Assessment {
+        let panels = mesh.topology().n_faces();
+        let longer = |s: &TriangleSurface| continued(s, panels).unwrap_or_else(|| s.clone());
+        let sticks_out = self.boundary == Some(Boundary::Whole);
+        let beyond = facets.filter(|_| sticks_out);
+        let beyond = beyond.map(|facets| [longer(smooth.unwrap_or(facets)), longer(facets)]);
+        let references = References {
+            smooth,
+            facets,
+            beyond: beyond.as_ref().map(|[smooth, facets]| [smooth, facets]),
+            ..References::default()
+        };
+        self.judge(mesh, references)
     }
 
     /// A check's figures in the unit in which its limit was typed.

@@ -278,7 +278,7 @@ impl<'a> MeshTask<'a> {
             let surface = part.kept;
             let mut options = self.settings.options(count);
             if let TypedPanelSize::EdgeLength(length) = self.settings.size() {
-                let unit = self.settings.unit.unwrap_or_default();
+                let unit = self.settings.unit();
                 let length = length.length(unit, self.facets.diagonal());
                 options.size = phex::PanelSize::EdgeLength(length);
             }
@@ -402,7 +402,7 @@ impl<'a> MeshTask<'a> {
 
     /// Difference within which edges count as equal, model units.
     fn tolerance(&self) -> Option<f64> {
-        let unit = self.settings.unit.unwrap_or_default();
+        let unit = self.settings.unit();
         let whole = self.facets.diagonal();
         self.settings.repeat.map(|q| q.length(unit, whole))
     }
@@ -485,7 +485,7 @@ fn panels(
         }
         _ => {
             let settings = &job.settings;
-            let unit = settings.unit.unwrap_or_default();
+            let unit = settings.unit();
             let of_limits = settings.limits.mean_area(unit, facets.diagonal());
             match of_limits.filter(|_| !settings.is_sized()) {
                 Some(area) => panel_size::checked((facets.area() / area).ceil() as u64, facets),
@@ -602,7 +602,7 @@ fn check_repeat(settings: &MeshSettings, components: &[&SurfaceComponent]) -> Re
     let Some(asked) = settings.repeat else {
         return Ok(());
     };
-    let unit = settings.unit.unwrap_or_default();
+    let unit = settings.unit();
     let whole = components.iter().map(|c| c.surface.diagonal());
     let whole = whole.fold(f64::INFINITY, f64::min);
     match asked.length(unit, whole) <= whole {
@@ -621,7 +621,7 @@ fn missed_edge(settings: &MeshSettings, mesh: &HexMesh, extent: f64) -> Option<S
     let TypedPanelSize::EdgeLength(asked) = settings.size() else {
         return None;
     };
-    let unit = settings.unit.unwrap_or_default();
+    let unit = settings.unit();
     let ratio = mesh.mean_inner_edge() / asked.length(unit, extent);
     let missed = (ratio - 1.0).abs() > TOLD_EDGE_ERROR;
     missed.then(|| {

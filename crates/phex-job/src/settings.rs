@@ -377,7 +377,7 @@ impl MeshSettings {
     /// # Errors
     /// The first of them, by its name.
     pub fn check(&self) -> Result<(), JobError> {
-        self.limits.check(self.unit.unwrap_or_default())?;
+        self.limits.check(self.unit())?;
         let own = || -> Result<(), BadOption> {
             ranges::within(-360.0..=360.0, &[("rotate", self.rotate.unwrap_or(0.0))])?;
             ranges::positive(&[
@@ -440,6 +440,11 @@ impl MeshSettings {
             Some(length) => TypedPanelSize::EdgeLength(length),
             None => TypedPanelSize::Panels(self.panels.unwrap_or(DEFAULT_PANELS)),
         }
+    }
+
+    /// The unit of the model's coordinates.
+    pub fn unit(&self) -> Unit {
+        self.unit.unwrap_or_default()
     }
 
     /// The largest deviation.
@@ -505,7 +510,7 @@ impl MeshSettings {
             effort: Some(stages.effort.into()),
             rotate: Some(stages.directions.rotate.to_degrees()),
             max_deviation: Some(self.max_deviation()),
-            unit: Some(self.unit.unwrap_or_default()),
+            unit: Some(self.unit()),
             seed: Some(stages.layout.seed),
             stages,
             ..self.clone()

@@ -3,7 +3,7 @@
 use crate::portfolio::{state, way};
 use crate::run::JobResult;
 use phex::pipeline::AttemptSummary;
-use phex::quality::{Merit, Verdict};
+use phex::quality::Merit;
 use phex_mesh::{HexMesh, MeshMeasures};
 
 /// A mesh to choose from, and what is told of it.
@@ -60,13 +60,7 @@ fn result(made: &JobResult) -> WayShown<'_> {
         evenness,
         ..
     } = &made.report.measures;
-    let verdict = match made.report.verdict {
-        Verdict::Pass => "PASS",
-        Verdict::OutsideTolerance => "OUTSIDE TOLERANCE",
-        Verdict::Invalid => "INVALID",
-    };
-    let deviation = made.report.deviation_smooth.as_ref();
-    let deviation = deviation.or(made.report.deviation_facets.as_ref());
+    let deviation = made.report.judged_deviation();
     let figures = WayFigures {
         panels: *faces,
         hex: hex.unwrap_or(1.0),
@@ -78,7 +72,7 @@ fn result(made: &JobResult) -> WayShown<'_> {
     WayShown {
         mesh: &made.mesh,
         title: "Result".to_owned(),
-        lines: std::iter::once(verdict.to_owned())
+        lines: std::iter::once(made.report.verdict.to_string())
             .chain(figures.lines())
             .collect(),
     }

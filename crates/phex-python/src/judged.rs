@@ -6,15 +6,14 @@ use crate::kept::{Kept, KeptResult};
 use phex::Progress;
 use phex::koebe::{BoundaryCondition, KoebeOptions, koebe};
 use phex::offset::{FitOptions, FitStart, ParallelSpace, fit_parallel};
-use phex::quality::{References, Verdict};
+use phex::quality::{Assessment, References, Verdict};
 use phex::repetition::Repetition;
 use phex::report::{InputFile, RunReport, StageTime};
-use phex::{Boundary, continued};
 use phex_html::{SheetKind, contact_file};
 use phex_job::{
-    AtBoundary, Computed, Content, Given, JobError, JobResult, LastStage, MeshFile, MeshJob,
-    MeshSettings, OutputPaths, Planarization, Quantity, SteeringSettings, TimeLimit, TypedLimits,
-    Unit, WayShown, chain, time_limit, ways,
+    AtBoundary, Content, Given, JobError, JobResult, LastStage, MeshFile, MeshJob, MeshSettings,
+    OutputPaths, Planarization, Quantity, SteeringSettings, TimeLimit, TypedLimits, Unit, WayShown,
+    chain, time_limit, ways,
 };
 use phex_mesh::{EdgeId, HexMesh, LARGEST_COORDINATE, TriangleSurface};
 use phex_picture::ContactTile;
@@ -278,13 +277,8 @@ impl LimitsRequest {
 
     /// What is given, and what was promised where nothing is.
     fn over(self, promised: TypedLimits) -> TypedLimits {
-        TypedLimits {
-            planarity: self.planarity.or(promised.planarity),
-            max_deviation: self.max_deviation.unwrap_or(promised.max_deviation),
-            unit: self.unit.unwrap_or(promised.unit),
-            boundary: self.boundary.map(Into::into).or(promised.boundary),
-            ..promised
-        }
+        let boundary = self.boundary.map(Into::into);
+        promised.under((self.planarity, self.max_deviation), self.unit, boundary)
     }
 }
 
@@ -341,7 +335,7 @@ pub fn planarized(
     );
     report.settings =
         json!({ "optimise": how.options, "steering": how.steering, "refit": how.refit });
-    described(&mut report, &reached);
+    reached.describe(&mut report);
     answer(KeptResult {
         mesh: reached.mesh,
         report,
@@ -349,12 +343,6 @@ pub fn planarized(
         facets,
         start: reached.start,
     })
-}
-
-fn described(report: &mut RunReport, reached: &Computed) {
-    report.outcome = reached.outcome.clone();
-    report.statistics = reached.statistics.clone();
-    report.stages = reached.stages.clone();
 }
 
 /// The report of a mesh judged by limits against a surface.
@@ -366,7 +354,16 @@ fn judged(
     inputs: &Inputs,
 ) -> RunReport {
     let references = References::of_facets(facets);
-    let mut report = limits.report(command, limits.judge(mesh, references));
+    report_of(command, limits.judge(mesh, references), limits, inputs)
+}
+
+fn report_of(
+    command: &'static str,
+    assessment: Assessment,
+    limits: &TypedLimits,
+    inputs: &Inputs,
+) -> RunReport {
+    let mut report = limits.report(command, assessment);
     report.inputs = inputs.files.iter().map(|f| f.record.clone()).collect();
     report.threads = rayon::current_num_threads();
     report
@@ -463,20 +460,8 @@ pub fn checked(
     let facets = there(1).map(MeshFile::surface).transpose()?;
     let smooth = there(2).map(MeshFile::surface).transpose()?;
     let limits = request.limits(facets.is_some())?;
-    let panels = mesh.topology().n_faces();
-    let is_whole = limits.boundary == Some(Boundary::Whole);
-    let longer = |s: &TriangleSurface| continued(s, panels).unwrap_or_else(|| s.clone());
-    let near = smooth.as_ref().or(facets.as_ref()).filter(|_| is_whole);
-    let beyond = near.map(longer).zip(facets.as_ref().map(longer));
-    let references = References {
-        smooth: smooth.as_ref(),
-        facets: facets.as_ref(),
-        beyond: beyond.as_ref().map(|(smooth, facets)| [smooth, facets]),
-        ..References::default()
-    };
-    let mut report = limits.report("check", limits.judge(&mesh, references));
-    report.inputs = inputs.files.iter().map(|f| f.record.clone()).collect();
-    report.threads = rayon::current_num_threads();
+    let assessment = limits.judge_finished(&mesh, smooth.as_ref(), facets.as_ref());
+    let mut report = report_of("check", assessment, &limits, &inputs);
     phex_job::add_features(&mut report, &mesh, facets.as_ref());
     if let Some(copied) = request.copied {
         copied.take_up(&mut report)?;

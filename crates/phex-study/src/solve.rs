@@ -3,18 +3,17 @@
 use crate::limits::{VariantLimits, Watch};
 use crate::row::{Ending, Row, add_figures, row};
 use crate::thumbnail::thumbnail;
-use crate::variant::{Variant, hexadecimal, name};
+use crate::variant::{Variant, name};
 use crate::workshop::add_workshop;
 use phex::Progress;
 use phex::quality::Verdict;
 use phex_fab::PanelIds;
 use phex_html::{Report, Viewer};
-use phex_job::{Given, JobError, JobResult, MeshFile, MeshJob, chain};
+use phex_job::{Given, JobError, JobResult, MeshFile, MeshJob, chain, sha256};
 use phex_mesh::io::{atomic_write, write_soup};
 use phex_picture::{PictureOptions, draw};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 use std::path::Path;
 
 /// The file that is written last: a folder that has it is finished.
@@ -170,7 +169,7 @@ impl VariantFolder<'_> {
         watch: &Watch<'_>,
         told: &mut Row,
     ) -> Result<(), JobError> {
-        let unit = variant.settings.unit.unwrap_or_default();
+        let unit = variant.settings.unit();
         add_figures(told, made, unit);
         if let Some(workshop) = variant
             .workshop
@@ -189,8 +188,7 @@ impl VariantFolder<'_> {
         written.map_err(|e| JobError::Internal(chain(&e)))?;
         let bytes = std::fs::read(&path);
         let bytes = bytes.map_err(|e| JobError::Internal(format!("{}: {e}", path.display())))?;
-        let sum = hexadecimal(&Sha256::digest(bytes));
-        told.insert("out:mesh".to_owned(), json!(sum[..16]));
+        told.insert("out:mesh".to_owned(), json!(sha256(bytes)[..16]));
         told.insert("threeD".to_owned(), self.named(MESH));
         let report = made.report.to_json();
         let report = report.map_err(|e| JobError::Internal(e.to_string()))?;

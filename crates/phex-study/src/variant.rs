@@ -1,10 +1,9 @@
 //! One job of a study, and the name of its folder.
 
 use crate::workshop::Workshop;
-use phex_job::{JobError, MeshSettings};
+use phex_job::{JobError, MeshSettings, sha256};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
-use sha2::{Digest, Sha256};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -54,8 +53,7 @@ impl Variant {
             "settings": settings,
             "workshop": self.workshop,
         });
-        let digest = Sha256::digest(whole.to_string());
-        Ok(hexadecimal(&digest)[..KEY_LENGTH].to_owned())
+        Ok(sha256(whole.to_string())[..KEY_LENGTH].to_owned())
     }
 
     /// The settings that are not at their defaults, as in a job file.
@@ -115,17 +113,13 @@ pub(crate) fn name(path: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
 fn checksum(path: &Path, sums: &mut HashMap<PathBuf, String>) -> Result<String, JobError> {
     if let Some(sum) = sums.get(path) {
         return Ok(sum.clone());
     }
     let bytes = std::fs::read(path);
     let bytes = bytes.map_err(|e| JobError::input(format!("{}: {e}", path.display())))?;
-    let sum = hexadecimal(&Sha256::digest(&bytes));
+    let sum = sha256(bytes);
     sums.insert(path.to_path_buf(), sum.clone());
     Ok(sum)
 }

@@ -14,9 +14,8 @@ use anyhow::Context;
 use phex::curvature::{CurvatureOptions, curvature};
 use phex::curvature::{free_panels, indicatrix_distances};
 use phex::layout::CELL;
-use phex::quality::{Assessment, Omitted, Reason, References, Verdict};
+use phex::quality::{Assessment, Omitted, Reason, Verdict};
 use phex::report::{InputFile, RunReport};
-use phex::{Boundary, continued};
 use phex_job::{Content, MeshFile, TypedLimits};
 use phex_mesh::measure::Metric;
 use phex_mesh::{FaceId, HexMesh, TriangleSurface};
@@ -47,15 +46,15 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
     let file = MeshFile::read(&command.input)?;
     let (mesh, dropped) = file.polygon_mesh()?;
     let surfaces = CheckSurfaces::read(command, promise.as_ref())?;
-    let mut assessment = surfaces.judge(&limits, &mesh);
-    if promise.is_some_and(|p| p.has_smooth()) && surfaces.smooth.is_none() {
+    let (smooth, facets) = (surfaces.smooth.as_ref(), surfaces.facets.as_ref());
+    let mut assessment = limits.judge_finished(&mesh, smooth, facets);
+    if promise.is_some_and(|p| p.has_smooth()) && smooth.is_none() {
         assessment.not_checked.push(Omitted {
             name: "deviation_smooth",
             reason: Reason::NoSmoothSurface,
         });
     }
     let mut table = summary::of_assessment(&assessment, &limits, command.talk.verbose);
-    let facets = surfaces.facets.as_ref();
     let indicatrix = facets.map(|surface| indicatrix(&mesh, surface));
     if let Some(metric) = indicatrix.as_ref().filter(|m| m.all.count > 0) {
         table += &inscribed(metric);
@@ -139,30 +138,6 @@ impl CheckSurfaces {
                 .map(|f| f.record)
                 .collect(),
         })
-    }
-
-    fn judge(&self, limits: &TypedLimits, mesh: &HexMesh) -> Assessment {
-        let beyond = self.beyond(limits, mesh.topology().n_faces());
-        let references = References {
-            smooth: self.smooth.as_ref(),
-            facets: self.facets.as_ref(),
-            beyond: beyond.as_ref().map(|[smooth, facets]| [smooth, facets]),
-            ..Default::default()
-        };
-        limits.judge(mesh, references)
-    }
-
-    /// Both continued beyond the boundary, where so many whole panels may stick out of it.
-    fn beyond(&self, limits: &TypedLimits, panels: usize) -> Option<[TriangleSurface; 2]> {
-        let facets = self
-            .facets
-            .as_ref()
-            .filter(|_| limits.boundary == Some(Boundary::Whole))?;
-        let longer = |s: &TriangleSurface| continued(s, panels).unwrap_or_else(|| s.clone());
-        Some([
-            longer(self.smooth.as_ref().unwrap_or(facets)),
-            longer(facets),
-        ])
     }
 }
 

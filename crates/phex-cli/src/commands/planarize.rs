@@ -119,9 +119,7 @@ fn report(
         "steering": how.steering,
         "refit": how.refit,
     });
-    report.outcome = reached.outcome.clone();
-    report.statistics = reached.statistics.clone();
-    report.stages = reached.stages.clone();
+    reached.describe(&mut report);
     report
 }
 

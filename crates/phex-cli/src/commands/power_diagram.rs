@@ -75,12 +75,11 @@ fn placed(mesh: &HexMesh, map: &Matrix3x4<f64>) -> Result<HexMesh, Failure> {
         return Err(Failure::input(message));
     }
     let positions = mesh.positions.map(|p| map * p.push(1.0));
-    if determinant > 0.0 {
-        return Ok(mesh.with_positions(positions));
-    }
-    let mut faces = mesh.topology().face_lists();
-    faces.iter_mut().for_each(|f| f.reverse());
-    HexMesh::new(positions.as_slice().to_vec(), &faces).or_exit(Exit::Internal)
+    let image = mesh.with_positions(positions);
+    Ok(match determinant > 0.0 {
+        true => image,
+        false => image.turned_over(),
+    })
 }
 
 fn diagram(command: &PowerCommand) -> Result<PowerDiagram, Failure> {

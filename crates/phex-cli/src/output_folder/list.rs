@@ -1,7 +1,7 @@
 //! The list of files that a command wrote into a folder, with the SHA-256 of each.
 
 use super::NamedFile;
-use sha2::{Digest, Sha256};
+use phex_job::sha256;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Component, Path};
@@ -19,7 +19,7 @@ pub(super) struct List {
 impl List {
     /// The list of some files.
     pub fn of(files: &[NamedFile]) -> Self {
-        let entry = |(name, bytes): &NamedFile| (name.clone(), [checksum(bytes)].into());
+        let entry = |(name, bytes): &NamedFile| (name.clone(), [sha256(bytes)].into());
         Self {
             sums: files.iter().map(entry).collect(),
         }
@@ -88,7 +88,7 @@ impl List {
     fn has(&self, path: &Path, name: &str) -> bool {
         let (sums, bytes) = (self.sums.get(name), fs::read(path));
         sums.zip(bytes.ok())
-            .is_some_and(|(sums, bytes)| sums.contains(&checksum(&bytes)))
+            .is_some_and(|(sums, bytes)| sums.contains(&sha256(&bytes)))
     }
 
     /// The listed files that are in a folder and as listed, each with the checksum that it has.
@@ -97,7 +97,7 @@ impl List {
             let path = folder.join(name);
             let is_ours = path.is_file() && self.allows(folder, name);
             let bytes = is_ours.then(|| fs::read(&path).ok()).flatten()?;
-            Some((name.clone(), [checksum(&bytes)].into()))
+            Some((name.clone(), [sha256(&bytes)].into()))
         });
         Self {
             sums: found.collect(),
@@ -132,9 +132,4 @@ fn head(command: &str) -> String {
 fn is_inside(name: &str) -> bool {
     let normal = |part: Component<'_>| matches!(part, Component::Normal(_));
     !name.is_empty() && Path::new(name).components().all(normal)
-}
-
-fn checksum(bytes: &[u8]) -> String {
-    let digest = Sha256::digest(bytes);
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -3,6 +3,7 @@
 use crate::ranges::{self, BadOption};
 use phex_mesh::PanelLimits;
 use phex_mesh::measure::WANTED_ANGLE;
+use phex_numeric::DampedOptions;
 use serde::{Deserialize, Serialize};
 
 /// How panels are made planar.
@@ -250,6 +251,16 @@ impl OptimiseOptions {
         (self.wished_clearance, self.wished_angle) = (0.0, 0.0);
         self.newton_iterations = Some(REFINED_NEWTON);
         self
+    }
+
+    /// When a phase with a penalty ends.
+    pub(crate) fn phase(&self, penalty: f64) -> DampedOptions {
+        DampedOptions {
+            max_iterations: self.max_iterations,
+            energy_tolerance: self.energy_tolerance,
+            step_tolerance: self.step_tolerance,
+            phase: penalty,
+        }
     }
 
     /// What a workshop can make, as far as panels of a mean area can keep it, and corners as blunt

@@ -43,11 +43,11 @@ impl Field {
         ground: &Ground,
         level: usize,
         options: &MeshOptions,
-        settings: &DirectionOptions,
         clock: &mut Clock<'_>,
     ) -> Result<Self, PipelineError> {
         let (smooth, panels, progress) = (&ground.smooth, ground.panels, clock.progress);
         let surface = &smooth.levels[level];
+        let settings = &direction_options(options);
         cones::prescribed_faces(surface, &settings.guides.cones)?;
         let sized = clock.stage("curvature", || {
             ground.known.at(smooth, level, panels, options)
@@ -108,7 +108,6 @@ const LOCAL_REFINEMENT: usize = 4;
 pub(super) fn finer_ground(
     ground: &Ground,
     options: &MeshOptions,
-    settings: &DirectionOptions,
     clock: &mut Clock<'_>,
 ) -> Result<Option<(Ground, usize)>, PipelineError> {
     if ground.is_extended() {
@@ -118,6 +117,7 @@ pub(super) fn finer_ground(
     let first = ground.field_level(options);
     let surface = &smooth.levels[first];
     let uniform = panel_length(surface, panels);
+    let settings = &direction_options(options);
     let mut metric = clock.stage("directions", || {
         let curvature = curvature::curvature(surface, uniform, &options.curvature);
         let length = Sizes::new(smooth, first, panels, options).with(&curvature);
@@ -216,9 +216,9 @@ pub(super) fn allow_sizes(options: &mut MeshOptions) {
 /// Screening that keeps varying sizes against the conformal factor, which would even them out.
 const SIZED_SCREENING: f64 = 0.5;
 
-pub(super) fn direction_options(options: &MeshOptions, anisotropy: f64) -> DirectionOptions {
+/// The options of a lattice's directions, whose panels may vary in size.
+pub(super) fn direction_options(options: &MeshOptions) -> DirectionOptions {
     let mut settings = options.directions.clone();
-    settings.anisotropy = anisotropy;
     if options.varies_sizes() {
         settings.conformal_screening = settings.conformal_screening.max(SIZED_SCREENING);
     }
@@ -338,8 +338,7 @@ mod tests {
         let mut options = way.options(&MeshOptions::default());
         options.target.kind = TargetKind::HalfWay;
         let ground = Ground::new(&needle, 50, &options);
-        let settings = direction_options(&options, way.anisotropy);
-        let (finer, _) = finer_ground(&ground, &options, &settings, &mut Clock::new(&Silent))
+        let (finer, _) = finer_ground(&ground, &options, &mut Clock::new(&Silent))
             .unwrap()
             .expect("the lattice is finer than the triangles");
         let vertices = |of: &Ground| of.smooth.finest().positions().len();

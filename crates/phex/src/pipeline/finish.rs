@@ -2,21 +2,22 @@
 //! finds more that is invalid or outside limits.
 
 use super::domain::Ground;
-use super::rim::{Rim, follow_rim, on_curve};
-use super::{Clock, PipelineError};
+use super::{Clock, PipelineError, rim};
+use crate::optimise::{self, Quotient};
 use crate::quality::Judgement;
 use crate::search::Site;
+use crate::trim::follow::followed;
 use phex_mesh::HexMesh;
 
 /// A mesh on its way, and what the judge says of it.
-struct JudgedMesh<'a> {
-    mesh: HexMesh,
+pub(super) struct JudgedMesh<'a> {
+    pub mesh: HexMesh,
     judgement: Judgement,
     site: &'a Site<'a>,
 }
 
 impl<'a> JudgedMesh<'a> {
-    fn new(mesh: HexMesh, site: &'a Site<'a>) -> Self {
+    pub fn new(mesh: HexMesh, site: &'a Site<'a>) -> Self {
         Self {
             judgement: site.judged(&mesh),
             mesh,
@@ -25,7 +26,7 @@ impl<'a> JudgedMesh<'a> {
     }
 
     /// Takes another mesh in its place unless more of it is invalid or outside limits.
-    fn offer(&mut self, mesh: Option<HexMesh>) {
+    pub fn offer(&mut self, mesh: Option<HexMesh>) {
         let Some(mesh) = mesh else { return };
         let judgement = self.site.judged(&mesh);
         if judgement.merit.is_no_worse(&self.judgement.merit) {
@@ -46,11 +47,25 @@ pub(super) fn finished(
     let mut now = clock.timed("validate", || JudgedMesh::new(trimmed, site));
     clock.unless_unwanted()?;
     let is_valid = now.judgement.merit.invalid == 0.0;
-    if let Some(rim) = Rim::kept(surface, options).filter(|_| is_valid && !progress.is_cancelled())
-    {
-        let next = clock.timed("optimise", || on_curve(&now.mesh, site, &rim, progress))?;
+    let hold = rim::held(surface, options);
+    if let Some(hold) = hold.filter(|_| is_valid && !progress.is_cancelled()) {
+        // The ends of interior edges on the boundary, and vertices near its corners on these.
+        let (quotient, settings) = (Quotient::default(), site.options);
+        let next = clock.timed("optimise", || {
+            optimise::onto_boundary(
+                &now.mesh,
+                site.close_to,
+                &hold,
+                &quotient,
+                settings,
+                progress,
+            )
+        })?;
         now.offer(next.map(|n| n.mesh));
-        now.offer(follow_rim(&now.mesh, surface, options));
+        // Further corners where edges would cut the boundary short.
+        let corner_angle = options.target.corner_angle.to_radians();
+        let limit = options.limits().boundary_rel;
+        now.offer(followed(&now.mesh, surface, corner_angle, limit));
     }
     Ok((now.mesh, now.judgement))
 }

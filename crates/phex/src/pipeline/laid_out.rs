@@ -1,7 +1,7 @@
 //! Panels that are laid out: cells of a lattice, or bricks, on the surface and not planar.
 
 use super::domain::Ground;
-use super::field::{direction_options, finer_ground};
+use super::field::finer_ground;
 use super::options::Candidate;
 use super::restarts::most_regular;
 use super::two_fields::FieldPanels;
@@ -39,16 +39,15 @@ impl LaidOut {
         clock: &mut Clock<'_>,
     ) -> Result<Self, PipelineError> {
         let options = &candidate.options(&ground.options);
-        let settings = direction_options(options, candidate.anisotropy);
         let finer = match candidate.seamless {
-            true => finer_ground(ground, options, &settings, clock)?,
+            true => finer_ground(ground, options, clock)?,
             false => None,
         };
         let (finer, level) = finer.map_or((None, ground.field_level(options)), |(finer, level)| {
             (Some(finer), level)
         });
         let ground = finer.as_ref().unwrap_or(ground);
-        let better = FieldPanels::better(ground, level, options, &settings, clock)?;
+        let better = FieldPanels::better(ground, level, options, clock)?;
         let FieldPanels { field, fine, first } = better;
         let made = |seeds: &[Seed], progress: &dyn Progress| fine.calm_panels(seeds, progress);
         let drawn = most_regular(ground, &field, first, made, clock)?;

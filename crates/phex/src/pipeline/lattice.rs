@@ -4,8 +4,7 @@
 use super::domain::{Beyond, Ground};
 use super::finish::finished;
 use super::laid_out::LaidOut;
-use super::rim::Rim;
-use super::{Candidate, Clock, MeshOptions, Method, PipelineError, brick_wall};
+use super::{Candidate, Clock, MeshOptions, Method, PipelineError, brick_wall, rim};
 use crate::directions::guides::Cone;
 use crate::layout::brick_wall::BrickWallStatistics;
 use crate::layout::{Layout, LayoutStatistics, PanelWish};
@@ -85,11 +84,10 @@ impl Surfaces {
             elsewhere: &[],
         };
         let judge = Judge::new(&self.reported, references, options.limits());
-        let rim = Rim::kept(&self.reported, options);
         work(&Site {
             judge: &judge,
             close_to: &SurfaceTarget::new(beyond.map_or(&self.reported, |b| b[0])),
-            hold: rim.as_ref().map(Rim::hold),
+            hold: rim::held(&self.reported, options),
             mirrors: &[],
             areas: Some(self.areas()),
             options: &options.optimise,

@@ -1,8 +1,7 @@
 //! Edges made equal in a finished run, where that is asked for.
 
 use super::domain::Beyond;
-use super::rim::Rim;
-use super::{Clock, MeshOptions, MeshRun, PipelineError};
+use super::{Clock, MeshOptions, MeshRun, PipelineError, rim};
 use crate::optimise::{Quotient, SurfaceTarget, led_elsewhere};
 use crate::progress::{Event, Progress};
 use crate::quality::{Judge, References};
@@ -37,12 +36,11 @@ pub(super) fn repeated(
         elsewhere: &elsewhere,
     };
     let judge = Judge::new(&run.target, references, options.limits());
-    let rim = Rim::kept(&run.target, options);
     let close_to = &SurfaceTarget::new(beyond.map_or(&run.target, |b| b[0]));
     let site = Site {
         judge: &judge,
         close_to,
-        hold: rim.as_ref().map(Rim::hold),
+        hold: rim::held(&run.target, options),
         mirrors: &[],
         areas: None,
         options: &options.optimise,

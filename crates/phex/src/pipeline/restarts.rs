@@ -152,7 +152,7 @@ pub(super) fn most_regular(
 #[cfg(test)]
 mod tests {
     use super::super::MeshOptions;
-    use super::super::field::{FineSurface, direction_options};
+    use super::super::field::FineSurface;
     use super::*;
     use crate::progress::Silent;
     use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
@@ -167,9 +167,8 @@ mod tests {
         let options = MeshOptions::default();
         let mut clock = Clock::new(&Silent);
         let ground = Ground::new(&surface, panels, &options);
-        let settings = direction_options(&options, 2.0);
         let level = ground.field_level(&options);
-        let field = Field::new(&ground, level, &options, &settings, &mut clock).unwrap();
+        let field = Field::new(&ground, level, &options, &mut clock).unwrap();
         let fine = FineSurface::new(&ground, &field);
         let made = |seeds: &[Seed], progress: &dyn Progress| fine.calm_panels(seeds, progress);
         let own = Drawn::first(&ground, &field, made, &mut clock).unwrap();

@@ -1,54 +1,19 @@
-//! The last steps at the boundary: vertices exactly on the boundary curve where panels allow it,
-//! and corners of panels where their edges would cut the curve short.
+//! Where vertices are held at the boundary.
 
 use super::{MeshOptions, PipelineError};
-use crate::optimise::{self, BoundaryHold, OptimiseError, Optimised, Quotient, SurfaceTarget};
+use crate::optimise::{self, BoundaryHold, Optimised, SurfaceTarget};
 use crate::progress::Progress;
-use crate::search::Site;
 use crate::smooth_surface::boundary_corners;
-use crate::trim::{Boundary, follow};
+use crate::trim::Boundary;
 use phex_mesh::{BoundaryCurve, HexMesh, TriangleSurface, Vec3};
 
-/// Where vertices of the boundary are held.
-pub(super) struct Rim {
-    curves: BoundaryCurve,
-    corners: Vec<Vec3>,
-}
-
-impl Rim {
-    /// The boundary of a surface; `None` if it is closed.
-    fn of(surface: &TriangleSurface, options: &MeshOptions) -> Option<Self> {
-        Some(Self {
-            curves: BoundaryCurve::of(surface)?,
-            corners: corner_points(surface, options),
-        })
-    }
-
-    /// The same where the mesh ends at the boundary, `None` also where panels stay whole.
-    pub fn kept(surface: &TriangleSurface, options: &MeshOptions) -> Option<Self> {
-        match options.boundary {
-            Boundary::Whole => None,
-            _ => Self::of(surface, options),
-        }
-    }
-
-    pub fn hold(&self) -> BoundaryHold<'_> {
-        BoundaryHold {
-            curves: &self.curves,
-            corners: &self.corners,
-        }
-    }
-}
-
-/// The mesh with further corners where its edges would cut the boundary short; `None` where there
-/// are none.
-pub(super) fn follow_rim(
-    mesh: &HexMesh,
-    surface: &TriangleSurface,
-    options: &MeshOptions,
-) -> Option<HexMesh> {
-    let corner_angle = options.target.corner_angle.to_radians();
-    follow::followed(mesh, surface, corner_angle, options.limits().boundary_rel)
+/// The boundary of a surface where a mesh ends at it; `None` if it is closed, or panels stay whole.
+pub(super) fn held(surface: &TriangleSurface, options: &MeshOptions) -> Option<BoundaryHold> {
+    let ends = options.boundary != Boundary::Whole;
+    Some(BoundaryHold {
+        curves: ends.then(|| BoundaryCurve::of(surface)).flatten()?,
+        corners: corner_points(surface, options),
+    })
 }
 
 /// The mesh with vertices held as the user wants it, those on the boundary of `surface` staying
@@ -61,36 +26,17 @@ pub(super) fn steered(
 ) -> Result<Optimised, PipelineError> {
     let target = SurfaceTarget::new(surface);
     let (steering, settings) = (&options.steering, &options.optimise);
-    let held = match Rim::kept(surface, options) {
+    let made = match held(surface, options) {
         None => optimise::steer(mesh, Some(&target), steering, settings, progress),
-        Some(rim) => {
-            let hold = rim.hold();
+        Some(hold) => {
             optimise::steer_on_boundary(mesh, &target, steering, &hold, settings, progress)
         }
     };
-    Ok(held?)
+    Ok(made?)
 }
 
 /// Sharp corners of the boundary.
 pub(super) fn corner_points(surface: &TriangleSurface, options: &MeshOptions) -> Vec<Vec3> {
     let corners = boundary_corners(surface, options.target.corner_angle.to_radians());
     corners.iter().map(|v| surface.positions()[*v]).collect()
-}
-
-/// The mesh with the ends of interior edges on the boundary, and vertices near its corners on
-/// these.
-pub(super) fn on_curve(
-    mesh: &HexMesh,
-    site: &Site<'_>,
-    rim: &Rim,
-    progress: &dyn Progress,
-) -> Result<Option<Optimised>, OptimiseError> {
-    optimise::onto_boundary(
-        mesh,
-        site.close_to,
-        &rim.hold(),
-        &Quotient::default(),
-        site.options,
-        progress,
-    )
 }

@@ -3,10 +3,10 @@
 use super::options::{Effort, MeshOptions, PanelSize};
 use super::{MeshRun, PipelineError};
 use crate::layout::MAX_PANELS;
-use crate::layout::lattice::eisenstein::CELL;
 use crate::optimise::Steering;
 use crate::progress::Progress;
 use phex_mesh::TriangleSurface;
+use phex_mesh::polygon::HEXAGON;
 
 /// The number of panels that the options ask for; `run` makes a mesh with as many.
 pub(super) fn wished_panels(
@@ -75,10 +75,7 @@ pub(super) fn panel_count(
     }
     let count = match size {
         PanelSize::Panels(n) => n as f64,
-        // A regular hexagon of edge e has area 3 sqrt(3) / 2 e^2.
-        PanelSize::EdgeLength(e) if e > 0.0 && e.is_finite() => {
-            surface.area() / (3.0 * CELL * e * e)
-        }
+        PanelSize::EdgeLength(e) if e > 0.0 && e.is_finite() => surface.area() / (HEXAGON * e * e),
         PanelSize::EdgeLength(e) => {
             return Err(PipelineError::Size(format!(
                 "the edge length must be positive and finite, not {e}"

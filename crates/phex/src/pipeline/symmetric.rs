@@ -6,6 +6,7 @@
 //! itself there.
 
 use super::domain::{Ground, without_long_triangles};
+use super::finish::JudgedMesh;
 use super::laid_out::LaidOut;
 use super::repeated::made_equal;
 use super::rim::corner_points;
@@ -82,7 +83,7 @@ fn symmetric(
     let tried = |(group, share): (Group, f64)| {
         let panels = (share * panels as f64).round() as usize;
         let domain = DomainPanels::new(whole, &found, group, panels, options)?;
-        let run = domain.mesh(&found, whole, clock)?;
+        let run = domain.mesh(clock)?;
         Ok((judge.whole(&run.mesh, run.wished.as_slice()).merit, run))
     };
     let names = names_of(&groups);
@@ -340,14 +341,15 @@ fn on_boundary(
     let next = clock.timed("optimise", || {
         optimise::onto_boundary(&mesh, target, hold, quotient, site.options, progress)
     })?;
-    let merit = |mesh: &HexMesh| site.judged(mesh).merit;
-    let is_no_worse = |next: &HexMesh| merit(next).is_no_worse(&merit(&mesh));
-    let next = next.map(|next| next.mesh).filter(is_no_worse);
-    Ok(next.unwrap_or(mesh))
+    let mut now = JudgedMesh::new(mesh, site);
+    now.offer(next.map(|next| next.mesh));
+    Ok(now.mesh)
 }
 
 /// A fundamental domain on its way to panels, scaled to diagonal 1 about a point of all planes.
-struct DomainPanels {
+struct DomainPanels<'a> {
+    whole: &'a TriangleSurface,
+    found: &'a Found,
     group: Group,
     surface: TriangleSurface,
     scale: f64,
@@ -355,10 +357,10 @@ struct DomainPanels {
     options: MeshOptions,
 }
 
-impl DomainPanels {
+impl<'a> DomainPanels<'a> {
     fn new(
-        whole: &TriangleSurface,
-        found: &Found,
+        whole: &'a TriangleSurface,
+        found: &'a Found,
         group: Group,
         panels: usize,
         options: &MeshOptions,
@@ -390,6 +392,8 @@ impl DomainPanels {
         options.optimise.panels = options.optimise.panels.scaled(1.0 / scale);
         options.repeat_rel = options.repeat_rel.map(|r| r * whole.diagonal() / scale);
         Ok(Self {
+            whole,
+            found,
             group,
             surface,
             scale,
@@ -398,12 +402,7 @@ impl DomainPanels {
         })
     }
 
-    fn mesh(
-        &self,
-        found: &Found,
-        whole: &TriangleSurface,
-        clock: &mut Clock<'_>,
-    ) -> Result<MeshRun, NotSymmetric> {
+    fn mesh(&self, clock: &mut Clock<'_>) -> Result<MeshRun, NotSymmetric> {
         let ground = clock.stage("target", || {
             Ground::new(&self.surface, self.panels, &self.options)
         })?;
@@ -425,25 +424,16 @@ impl DomainPanels {
                 progress,
             )
         })?;
-        let (mesh, before) = self.finished(
-            (found, whole),
-            &parts,
-            optimised.mesh,
-            &target,
-            (ground, &laid),
-            clock,
-        )?;
-        let quotient = symmetry::quotient_of(&mesh, self.group)?;
+        let (mesh, before) =
+            self.finished(&parts, optimised.mesh, &target, (ground, &laid), clock)?;
         let mut statistics = Statistics {
             layout: laid.statistics,
             ..Statistics::default()
         };
         statistics.add(optimised.run);
         self.assembled(
-            found,
-            whole,
             (&mesh, &areas_of(&laid).wished(&mesh)),
-            (before.as_ref(), &quotient),
+            before.as_ref(),
             (statistics, optimised.outcome),
             clock,
         )
@@ -453,7 +443,6 @@ impl DomainPanels {
     /// where that is asked for.
     fn finished(
         &self,
-        (found, whole): (&Found, &TriangleSurface),
         parts: &WholePanels,
         mesh: HexMesh,
         target: &FoldedTarget<'_>,
@@ -472,8 +461,8 @@ impl DomainPanels {
         let mut corners = corner_points(reported, options);
         corners.retain(|p| walls.iter().all(|n| n.dot(p).abs() > 1e-9));
         let hold = target.boundary().map(|curves| BoundaryHold {
-            curves,
-            corners: &corners,
+            curves: curves.clone(),
+            corners,
         });
         let site = Site {
             judge: &judge,
@@ -491,23 +480,23 @@ impl DomainPanels {
         let Some(tolerance) = options.repeat_rel.filter(|_| !progress.is_cancelled()) else {
             return Ok((now, None));
         };
-        let around = whole.mapped(|p| found.frame.inside(*p) / self.scale);
-        let equal = self.with_equal_edges(&now, (&site, &around), target, tolerance, clock)?;
+        let equal = self.with_equal_edges(&now, &site, target, tolerance, clock)?;
         Ok((equal, Some(now)))
     }
 
     /// Panels with as many edges of equal lengths as there are, judged with all their images on the
-    /// whole surface, which is given in the part's coordinates.
+    /// whole surface.
     fn with_equal_edges(
         &self,
         mesh: &HexMesh,
-        (site, around): (&Site<'_>, &TriangleSurface),
+        site: &Site<'_>,
         target: &FoldedTarget<'_>,
         tolerance: f64,
         clock: &mut Clock<'_>,
     ) -> Result<HexMesh, NotSymmetric> {
         let quotient = symmetry::quotient_of(mesh, self.group)?;
-        let judge = self.whole_judge(around);
+        let around = (self.whole).mapped(|p| self.found.frame.inside(*p) / self.scale);
+        let judge = self.whole_judge(&around);
         let elements = self.group.elements();
         let merit = |mesh: &HexMesh| match symmetry::unfolded(&quotient, mesh, &elements) {
             Ok(all) => {
@@ -532,7 +521,7 @@ impl DomainPanels {
     }
 
     /// The judge of the part with all its images, on the whole surface in the part's coordinates.
-    fn whole_judge<'a>(&self, whole: &'a TriangleSurface) -> Judge<'a> {
+    fn whole_judge<'b>(&self, whole: &'b TriangleSurface) -> Judge<'b> {
         let references = References {
             smooth: Some(whole),
             ..References::default()
@@ -550,16 +539,16 @@ impl DomainPanels {
     /// The part and all its images, normalised.
     fn assembled(
         &self,
-        found: &Found,
-        whole: &TriangleSurface,
         (part, wished): (&HexMesh, &PerFace<f64>),
-        (before, quotient): (Option<&HexMesh>, &Quotient),
+        before: Option<&HexMesh>,
         (statistics, outcome): (Statistics, Outcome),
         clock: &mut Clock<'_>,
     ) -> Result<MeshRun, NotSymmetric> {
+        let (whole, found) = (self.whole, self.found);
         let elements = self.group.elements();
+        let quotient = symmetry::quotient_of(part, self.group)?;
         let unfolded = |mesh: &HexMesh| {
-            symmetry::unfolded(quotient, mesh, &elements).map_err(|e| e.to_string())
+            symmetry::unfolded(&quotient, mesh, &elements).map_err(|e| e.to_string())
         };
         let all = unfolded(part)?;
         let before = before.map(unfolded).transpose()?;

@@ -10,7 +10,6 @@ use super::domain::Ground;
 use super::field::{Field, FineSurface};
 use super::restarts::{Drawn, restarts};
 use super::{Clock, MeshOptions, PipelineError};
-use crate::directions::DirectionOptions;
 use crate::directions::cones::{FAR_REACH, has_opposites};
 use crate::directions::holes::has_small_holes;
 use crate::layout::seeds::Seed;
@@ -25,29 +24,27 @@ pub(super) struct FieldPanels {
 }
 
 impl FieldPanels {
-    /// Those of the field of the settings, or of one with fewer cones, and across small holes,
+    /// Those of the field of the options, or of one with fewer cones, and across small holes,
     /// where these can be had and the panels are better for it.
     pub fn better(
         ground: &Ground,
         level: usize,
         options: &MeshOptions,
-        settings: &DirectionOptions,
         clock: &mut Clock<'_>,
     ) -> Result<Self, PipelineError> {
-        let is_given = settings.cancel_reach.is_some() || !settings.guides.cones.is_empty();
+        let directions = &options.directions;
+        let is_given = directions.cancel_reach.is_some() || !directions.guides.cones.is_empty();
         if is_given || restarts(ground) <= 1 {
-            return Self::new(ground, level, options, settings, clock);
+            return Self::new(ground, level, options, clock);
         }
-        let far_settings = DirectionOptions {
-            cancel_reach: Some(FAR_REACH),
-            across_holes: true,
-            ..settings.clone()
-        };
+        let mut far_options = options.clone();
+        far_options.directions.cancel_reach = Some(FAR_REACH);
+        far_options.directions.across_holes = true;
         // The second is begun where a thread is idle, and ends as soon as it is not wanted.
         let alone = AtomicBool::new(false);
         let progress = Quiet::unless(clock.progress, &alone);
         let near = || {
-            let field = Field::new(ground, level, options, settings, clock);
+            let field = Field::new(ground, level, options, clock);
             let has_other = field
                 .as_ref()
                 .is_ok_and(|f| f.has_opposites(ground) || f.has_small_holes(ground));
@@ -59,7 +56,7 @@ impl FieldPanels {
         };
         let far = || {
             let mut clock = Clock::new(&progress);
-            let far = Self::new(ground, level, options, &far_settings, &mut clock);
+            let far = Self::new(ground, level, &far_options, &mut clock);
             (far, clock.stages)
         };
         let (near, (far, stages)) = rayon::join(near, far);
@@ -79,10 +76,9 @@ impl FieldPanels {
         ground: &Ground,
         level: usize,
         options: &MeshOptions,
-        settings: &DirectionOptions,
         clock: &mut Clock<'_>,
     ) -> Result<Self, PipelineError> {
-        let field = Field::new(ground, level, options, settings, clock)?;
+        let field = Field::new(ground, level, options, clock)?;
         Self::of(ground, field, clock)
     }
 
@@ -114,7 +110,6 @@ impl Field {
 
 #[cfg(test)]
 mod tests {
-    use super::super::field::direction_options;
     use super::*;
     use crate::progress::Silent;
     use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
@@ -130,10 +125,9 @@ mod tests {
         options.directions.cancel_reach = reach;
         let mut clock = Clock::new(&Silent);
         let ground = Ground::new(&surface, panels, &options);
-        let settings = direction_options(&options, 2.0);
         let level = ground.field_level(&options);
-        let near = FieldPanels::new(&ground, level, &options, &settings, &mut clock).unwrap();
-        let better = FieldPanels::better(&ground, level, &options, &settings, &mut clock).unwrap();
+        let near = FieldPanels::new(&ground, level, &options, &mut clock).unwrap();
+        let better = FieldPanels::better(&ground, level, &options, &mut clock).unwrap();
         [near, better].map(|g| (g.field.cones(&ground.smooth).len(), g.first.disliked()))
     }
 

@@ -12,6 +12,7 @@ use phex_mesh::validate::{Violation, violations};
 use phex_mesh::{FaceId, HexMesh, TriangleSurface, add_flips};
 use rayon::join;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// A check that was not made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -92,6 +93,16 @@ pub enum Verdict {
     OutsideTolerance,
     /// No valid mesh.
     Invalid,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Pass => "PASS",
+            Self::OutsideTolerance => "OUTSIDE TOLERANCE",
+            Self::Invalid => "INVALID",
+        })
+    }
 }
 
 /// Measures, deviations, violations, checks and verdict of one mesh.

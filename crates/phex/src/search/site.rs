@@ -50,7 +50,7 @@ pub struct Site<'a> {
     /// The surface that panels are kept close to.
     pub close_to: &'a SurfaceTarget<'a>,
     /// The boundary that panels end at; `None` where they rest.
-    pub hold: Option<BoundaryHold<'a>>,
+    pub hold: Option<BoundaryHold>,
     /// Unit normals of mirror planes through the origin: panels that lie across one rest.
     pub mirrors: &'a [Vec3],
     /// Areas; `None` for any.

@@ -61,8 +61,8 @@ fn searched_between(
             judge: &Judge::new(surface, references, limits),
             close_to: &SurfaceTarget::new(surface),
             hold: Some(BoundaryHold {
-                curves: &BoundaryCurve::of(surface).unwrap(),
-                corners: &[],
+                curves: BoundaryCurve::of(surface).unwrap(),
+                corners: Vec::new(),
             }),
             mirrors,
             areas: None,

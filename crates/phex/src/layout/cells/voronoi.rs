@@ -6,7 +6,7 @@
 
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::layout::seeds::Seed;
-use phex_mesh::{PerVertex, Topology, VertexId};
+use phex_mesh::{HalfEdgeId, PerVertex, Topology, VertexId};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -189,7 +189,7 @@ fn spread<'a>(
                 if settled[to] {
                     continue;
                 }
-                let distance = reach(topology, mesh, cells, settled, h, v, to, third);
+                let distance = reach(topology, mesh, (cells, settled), h, [to, third]);
                 if (distance, label) < (cells.distance[to], cells.label[to]) {
                     cells.distance[to] = distance;
                     cells.label[to] = label;
@@ -200,17 +200,16 @@ fn spread<'a>(
     }
 }
 
-#[allow(clippy::too_many_arguments)]
+/// The distance at which a front that has come to the origin of a half-edge reaches another corner
+/// of its triangle, given before the third one.
 fn reach(
     topology: &Topology,
     mesh: &IntrinsicMesh,
-    cells: &Cells,
-    settled: &PerVertex<bool>,
-    h: phex_mesh::HalfEdgeId,
-    v: VertexId,
-    to: VertexId,
-    third: VertexId,
+    (cells, settled): (&Cells, &PerVertex<bool>),
+    h: HalfEdgeId,
+    [to, third]: [VertexId; 2],
 ) -> f64 {
+    let v = topology.origin(h);
     let side = |h| mesh.length[topology.edge(h)];
     let (to_a, between, to_b) = (side(h), side(topology.next(h)), side(topology.prev(h)));
     let (v_to, v_third) = if to == topology.target(h) {

@@ -24,7 +24,7 @@ pub(crate) struct LocalPart<'a> {
     /// Whether each vertex may move; those on the boundary of the surface slide along it.
     pub free: &'a [bool],
     /// The boundary of the surface; `None` where vertices on the boundary of the part rest.
-    pub hold: Option<&'a BoundaryHold<'a>>,
+    pub hold: Option<&'a BoundaryHold>,
     /// What its panels are to have.
     pub limits: &'a FaceLimits,
 }

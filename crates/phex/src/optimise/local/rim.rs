@@ -7,15 +7,11 @@ use phex_mesh::{BoundaryCurve, HexMesh, Vec3, VertexId};
 
 /// What keeps the boundary: on its curve where it lies there, along the curve where it does not, at
 /// rest where no curve is known.
-pub(super) fn rim_holds(
-    mesh: &HexMesh,
-    shape: &FaceShapes,
-    hold: Option<&BoundaryHold<'_>>,
-) -> Holds {
+pub(super) fn rim_holds(mesh: &HexMesh, shape: &FaceShapes, hold: Option<&BoundaryHold>) -> Holds {
     let topology = mesh.topology();
     let rim = topology.boundary_vertices();
     let place = |v: VertexId| match hold {
-        Some(hold) => along(mesh, shape, v, hold.curves),
+        Some(hold) => along(mesh, shape, v, &hold.curves),
         None => Hold::At(mesh.position(v)),
     };
     let mut holds = Holds {
@@ -78,8 +74,8 @@ mod tests {
         for (mesh, on_it) in [(&mesh, true), (&beside, false)] {
             let curves = boundary(&tight().mesh);
             let hold = BoundaryHold {
-                curves: &curves,
-                corners: &[],
+                curves: curves.clone(),
+                corners: Vec::new(),
             };
             let held = rim_holds(mesh, &shape, Some(&hold)).held;
             let rim = mesh

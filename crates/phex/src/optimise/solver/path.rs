@@ -260,12 +260,7 @@ impl<'a> Path<'a> {
             return Ok(());
         }
         self.weights.planarity = penalty;
-        let limits = DampedOptions {
-            max_iterations: self.options.max_iterations,
-            energy_tolerance: self.options.energy_tolerance,
-            step_tolerance: self.options.step_tolerance,
-            phase: penalty,
-        };
+        let limits = self.options.phase(penalty);
         let mut outcome = match &mut self.descent {
             Descent::Whole(whole) => whole.minimise(
                 self.weights,

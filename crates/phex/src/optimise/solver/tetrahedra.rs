@@ -27,8 +27,7 @@ use crate::progress::Progress;
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 use phex_numeric::{
-    Assembly, DampedOptions, DampedProblem, DampedSolver, Damping, Outcome, Record, Status,
-    SymmetricMatrix,
+    Assembly, DampedProblem, DampedSolver, Damping, Outcome, Record, Status, SymmetricMatrix,
 };
 use std::ops::ControlFlow;
 
@@ -206,12 +205,7 @@ fn penalise(
     let mut outcome = Outcome::empty(Status::IterationLimit);
     let mut damping = Damping::default();
     for _ in 0..WEIGHTS.2 {
-        let phase = DampedOptions {
-            max_iterations: options.max_iterations,
-            energy_tolerance: options.energy_tolerance,
-            step_tolerance: options.step_tolerance,
-            phase: energy.weight,
-        };
+        let phase = options.phase(energy.weight);
         let made = solver.minimise(energy, x, &mut damping, &phase, &mut observe);
         outcome.append(made);
         let planar = energy.residual() <= options.planarity_tolerance;

@@ -34,7 +34,7 @@ const KEPT: f64 = 0.9;
 /// What keeps the vertices of a mesh while its edges are drawn to other lengths.
 pub(crate) struct KeptVertices<'a> {
     /// The boundary on which vertices that lie there slide.
-    pub hold: Option<&'a BoundaryHold<'a>>,
+    pub hold: Option<&'a BoundaryHold>,
     /// Images that are no unknowns.
     pub quotient: &'a Quotient,
     /// What the user holds.
@@ -92,7 +92,7 @@ impl<'a> LengthStage<'a> {
         if let Some(hold) = kept.hold {
             let mut rim = already_there(mesh, hold);
             rim.retain(|v, _| kept.quotient.is_free(*v));
-            stage.holds.keep_rim(&rim, hold.curves);
+            stage.holds.keep_rim(&rim, &hold.curves);
         }
         Ok(Self {
             mesh,

@@ -42,11 +42,11 @@ const CLEARANCE_LEFT: f64 = 0.6;
 const ON_IT: f64 = 1e-7;
 
 /// The curves, and the points of them that vertices are put on.
-pub struct BoundaryHold<'a> {
+pub struct BoundaryHold {
     /// The curves on which the ends of interior edges slide.
-    pub curves: &'a BoundaryCurve,
+    pub curves: BoundaryCurve,
     /// Corners of the curves.
-    pub corners: &'a [Vec3],
+    pub corners: Vec<Vec3>,
 }
 
 /// Puts vertices of the boundary of a planar mesh on curves; `None` if that can be done for no
@@ -57,7 +57,7 @@ pub struct BoundaryHold<'a> {
 pub fn onto_boundary(
     mesh: &HexMesh,
     target: &dyn Target,
-    hold: &BoundaryHold<'_>,
+    hold: &BoundaryHold,
     quotient: &Quotient,
     options: &OptimiseOptions,
     progress: &dyn Progress,
@@ -97,7 +97,7 @@ pub fn onto_boundary(
         };
         let start = stage.start_at(&band.moved(&start, &x));
         let run = stage.run_projection_of(&band, &mut solvers, &start, options, progress);
-        let harmed = harmed(mesh, &run, &before, hold.curves);
+        let harmed = harmed(mesh, &run, &before, &hold.curves);
         if harmed.is_empty() {
             return Ok((!run.is_cancelled()).then(|| finished_mesh(mesh, run)));
         }
@@ -122,7 +122,7 @@ pub fn steer_on_boundary(
     mesh: &HexMesh,
     target: &dyn Target,
     steering: &Steering,
-    hold: &BoundaryHold<'_>,
+    hold: &BoundaryHold,
     options: &OptimiseOptions,
     progress: &dyn Progress,
 ) -> Result<Optimised, OptimiseError> {
@@ -131,7 +131,7 @@ pub fn steer_on_boundary(
         if held.is_empty() || progress.is_cancelled() {
             break;
         }
-        let rim = Some((&held, hold.curves));
+        let rim = Some((&held, &hold.curves));
         let Ok(result) =
             crate::optimise::steer_with(mesh, Some(target), steering, rim, options, progress)
         else {
@@ -153,7 +153,7 @@ pub fn steer_on_boundary(
 /// Vertices of the boundary that lie on the curves, and those at corners.
 pub(in crate::optimise) fn already_there(
     mesh: &HexMesh,
-    hold: &BoundaryHold<'_>,
+    hold: &BoundaryHold,
 ) -> BTreeMap<u32, Hold> {
     let topology = mesh.topology();
     let near = ON_IT * mesh.diagonal();
@@ -198,12 +198,12 @@ fn corners_of(mesh: &HexMesh, faces: &BTreeSet<FaceId>) -> BTreeSet<u32> {
 }
 
 /// Ends of interior edges slide, vertices at corners stay there.
-fn holds(mesh: &HexMesh, hold: &BoundaryHold<'_>) -> BTreeMap<u32, Hold> {
+fn holds(mesh: &HexMesh, hold: &BoundaryHold) -> BTreeMap<u32, Hold> {
     let topology = mesh.topology();
     let number = |v: VertexId| v.index() as u32;
     let between = (topology.boundary_vertices()).filter(|v| topology.face_degree(*v) == 2);
     let mut held: BTreeMap<u32, Hold> = between.map(|v| (number(v), Hold::OnCurve)).collect();
-    let at_corners = near_corners(mesh, hold.corners).into_iter();
+    let at_corners = near_corners(mesh, &hold.corners).into_iter();
     held.extend(at_corners.map(|(v, corner)| (number(v), Hold::At(corner))));
     held
 }

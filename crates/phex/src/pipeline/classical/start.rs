@@ -5,7 +5,7 @@ use super::ClassicalStatistics;
 use crate::classical::domain::{CurvatureSign, DomainError, SignedPlaces, resolved};
 use crate::curvature::{self, Curvature};
 use crate::directions::intrinsic::IntrinsicMesh;
-use crate::directions::{self, cones, saddle};
+use crate::directions::{self, DirectionOptions, cones, saddle};
 use crate::layout::lattice::eisenstein::CELL;
 use crate::pipeline::domain::Ground;
 use crate::pipeline::field::{Field, allow_sizes, counted_lattice, direction_options};
@@ -54,9 +54,8 @@ impl<'a> CurvedGround<'a> {
     ) -> Result<(Self, Field), PipelineError> {
         let start = Self::new(ground, clock)?;
         let options = start.lattice_options(&ground.options);
-        let settings = direction_options(&options, options.directions.anisotropy);
         let level = ground.field_level(&options);
-        let field = Field::new(ground, level, &options, &settings, clock)?;
+        let field = Field::new(ground, level, &options, clock)?;
         Ok((start, field))
     }
 
@@ -107,7 +106,11 @@ impl<'a> CurvedGround<'a> {
         clock: &mut Clock<'_>,
     ) -> Result<Field, PipelineError> {
         let options = &self.lattice_options(&ground.options);
-        let (settings, progress) = (direction_options(options, 1.0), clock.progress);
+        let settings = DirectionOptions {
+            anisotropy: 1.0,
+            ..direction_options(options)
+        };
+        let progress = clock.progress;
         cones::prescribed_faces(self.surface, &settings.guides.cones)?;
         let (wished, weight) = saddle::wishes(
             self.surface,
