@@ -394,7 +394,7 @@ fn said(check: &Check) -> String {
     let [value, limit, unit] = figures(check);
     let mut text = format!("{}: {value}, limit {limit}{unit}", check.name);
     if let Some(place) = check.place {
-        let [x, y, z] = place.map(|x| digits(x, PLACE_DIGITS));
+        let [x, y, z] = coordinates(place);
         let _ = write!(text, ", worst at ({x}, {y}, {z})");
     }
     let kind = match check.element {
@@ -453,8 +453,9 @@ fn listed(kind: &str, ids: &[usize]) -> String {
 
 /// Digits of a figure.
 const FIGURE_DIGITS: i32 = 4;
-/// Digits of a coordinate.
+/// Digits of the largest coordinate of a place, and decimals that each has at the least.
 const PLACE_DIGITS: i32 = 6;
+const PLACE_DECIMALS: i32 = 2;
 
 fn figure(value: f64) -> String {
     digits(value, FIGURE_DIGITS)
@@ -478,10 +479,39 @@ fn digits(value: f64, most: i32) -> String {
     }
 }
 
+/// The coordinates of a place, all to the same decimals, so that it can be found on any model.
+fn coordinates(place: [f64; 3]) -> [String; 3] {
+    let largest = place.iter().fold(f64::MIN_POSITIVE, |l, x| x.abs().max(l));
+    let decimals = (PLACE_DIGITS - 1 - largest.log10().floor() as i32).max(PLACE_DECIMALS);
+    place.map(|x| {
+        let text = format!("{x:.*}", decimals as usize);
+        let text = text.trim_end_matches('0').trim_end_matches('.');
+        text.strip_prefix('-')
+            .filter(|t| *t == "0")
+            .unwrap_or(text)
+            .to_owned()
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use phex::quality::Reading;
+
+    #[test]
+    fn places_can_be_found_at_every_size() {
+        let cases = [
+            (
+                [456_859.125, 5_400_123.75, 518.0],
+                ["456859.13", "5400123.75", "518"],
+            ),
+            ([0.070_287_3, -2.5, -4.5e-9], ["0.07029", "-2.5", "0"]),
+            ([3e-7, 0.0, 0.0], ["0.0000003", "0", "0"]),
+        ];
+        for (place, expected) in cases {
+            assert_eq!(coordinates(place), expected);
+        }
+    }
 
     #[test]
     fn figures_are_short_at_every_size() {

@@ -452,7 +452,7 @@ fn add_coarse_input(report: &mut RunReport) -> Option<String> {
     let warning = is_told.then(|| {
         format!(
             "panels are up to {:.1} % of the diagonal off the given facets: the facets are large, and the smooth surface \
-             through their corners, which panels follow, bulges between them. Edges that turn by less than 41 degrees \
+             through their corners, which panels follow, bulges between them. Edges that turn by less than 35 degrees \
              count as smooth; smaller facets say what is meant, and --target facets keeps to these",
             100.0 * far
         )
