@@ -438,7 +438,7 @@ fn check_certifies_each_figure_with_its_worst_element() {
     shop.write("crossed.obj", crossed);
     let run = shop.phex("check crossed.obj");
     assert!(
-        run.stdout.contains("1 faces are NOT simple (first 0)"),
+        run.stdout.contains("simple       face 0 is NOT"),
         "{}",
         run.stdout
     );
