@@ -264,3 +264,23 @@ def test_random_calls_end_with_typed_errors(ball):
             is_keyword = isinstance(error, TypeError) and "multiple values" in str(error)
             if isinstance(error, TypeError) and not is_keyword:
                 raise
+
+
+def test_files_of_unknown_kinds_are_refused_with_those_that_are_written(tmp_path):
+    surface = phex.shape("sphere", triangles=500)
+    mesh = phex.Mesh(surface.vertices, surface.faces)
+    for thing, kinds in ((surface, ".3mf, .3dm$"), (mesh, ".3mf, .3dm, .png, .svg$")):
+        with pytest.raises(phex.InputError, match=f"x.foo ends with none of .obj, .*{kinds}"):
+            thing.save(tmp_path / "x.foo")
+
+
+def test_no_panels_are_refused_by_the_name_of_the_keyword():
+    surface = phex.shape("sphere", triangles=500)
+    with pytest.raises(phex.InputError, match="^panels: "):
+        phex.mesh(surface, panels=0)
+
+
+def test_a_search_without_its_library_says_what_to_install(monkeypatch, tmp_path):
+    monkeypatch.setitem(__import__("sys").modules, "optuna", None)
+    with pytest.raises(ImportError, match=r"pip install 'phex\[explore\]'"):
+        phex.explore({}, ["panels"], out=tmp_path)

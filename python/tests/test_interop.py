@@ -1,3 +1,6 @@
+import subprocess
+import sys
+
 import numpy as np
 import phex
 import phex.interop.compas
@@ -172,3 +175,11 @@ def test_objects_without_polygons_are_refused_by_their_type():
         for call in (read, phex.mesh, phex.check, lambda given: phex.offset(given, 0.1)):
             with pytest.raises(phex.InputError, match=rf"an object of \S*{name} is no surface"):
                 call(thing)
+
+
+def test_modules_are_there_without_an_import_of_their_own():
+    for name in ("compas.from_compas", "trimesh.from_trimesh", "rhino3dm.save_3dm"):
+        code = f"import phex; assert callable(phex.interop.{name}); assert 'interop' in dir(phex)"
+        subprocess.run([sys.executable, "-c", code], check=True)
+    with pytest.raises(AttributeError, match="blender"):
+        phex.interop.blender  # noqa: B018

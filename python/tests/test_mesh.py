@@ -292,3 +292,11 @@ def test_a_session_keeps_what_stays_and_nothing_else(roof):
         session.mesh(pannels=3)
     with pytest.raises(phex.InputError):
         phex.Session("no.obj")
+
+
+def test_panels_beyond_a_limit_of_the_run_are_outside_a_tolerance():
+    sphere = phex.shape("sphere", triangles=2000)
+    options = dict(panels=32, max_deviation="5%", max_edge=0.1, keep_invalid=True)
+    made = phex.mesh(sphere, **options)
+    assert (made.per_face("validity") >= 2).all()
+    assert (phex.mesh(sphere, panels=32, max_deviation="5%").per_face("validity") < 2).all()

@@ -93,7 +93,7 @@ def test_no_file_is_written_that_is_read_or_written_twice(idle, given, how):
     os.symlink("in.obj", "link.obj")
     for surface in ("in.obj", phex.Surface.read("in.obj")):
         for call in (phex.mesh, phex.start):
-            with pytest.raises(phex.InputError, match="is also read or written under another name"):
+            with pytest.raises(phex.InputError, match="is also read, or written twice"):
                 call(surface, **how)
 
 

@@ -7,7 +7,7 @@ use crate::html;
 use crate::offset_arguments::OffsetCommand;
 use crate::parallel_arguments::ParallelCommand;
 use crate::picture_arguments::{RenderCommand, ReportCommand};
-use crate::shared_arguments::{Extras, Talk, ToleranceArguments};
+use crate::shared_arguments::{Extras, Talk, ToleranceArguments, YardstickArguments};
 use crate::sweep_arguments::SweepCommand;
 use crate::terms::TERMS;
 use clap::builder::PossibleValuesParser;
@@ -15,7 +15,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use phex_job::SteeringSettings;
 use phex_job::number;
 use phex_job::three;
-use phex_job::{AtBoundary, LastStage, MeshSettings, Quantity, Unit};
+use phex_job::{LastStage, MeshSettings, Quantity, Unit};
 use phex_mesh::shapes::Shape;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -237,23 +237,9 @@ pub struct CheckCommand {
     /// Polygon mesh: OBJ, PLY, STL or OFF
     #[arg(value_name = "MESH")]
     pub input: PathBuf,
-    /// Surface that the mesh stands for
-    #[arg(long, value_name = "SURFACE")]
-    pub surface: Option<PathBuf>,
-    /// Report of the run that made the mesh: its limits, unit and surfaces hold where nothing else
-    /// is given
-    #[arg(long, value_name = "RUN.JSON")]
-    pub report_of: Option<PathBuf>,
-    /// Job file whose limits hold where nothing else is given: tolerances, unit, boundary, and the
-    /// table `[limits]`
-    #[arg(long, value_name = "JOB.TOML", conflicts_with = "report_of")]
-    pub limits: Option<PathBuf>,
-    /// What panels were to do at the boundary: judges that, too [default: what --report-of says]
-    #[arg(long, value_enum, value_name = "HOW")]
-    pub boundary: Option<AtBoundary>,
-    /// Limits.
+    /// Surface and limits.
     #[command(flatten)]
-    pub tolerances: ToleranceArguments,
+    pub judged_by: YardstickArguments,
     /// Print the report (JSON) instead of the table
     #[arg(long)]
     pub json: bool,

@@ -1,7 +1,7 @@
 //! What can be typed about pictures.
 
 use crate::exit::EXIT_CODES;
-use crate::shared_arguments::{Talk, ToleranceArguments};
+use crate::shared_arguments::{Talk, ToleranceArguments, YardstickArguments};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use phex_picture::PictureOptions;
@@ -74,15 +74,12 @@ pub struct ReportCommand {
     /// HTML file to write
     #[arg(long, value_name = "REPORT.HTML")]
     pub html: PathBuf,
-    /// Surface that the mesh stands for
-    #[arg(long, value_name = "SURFACE")]
-    pub surface: Option<PathBuf>,
+    /// Surface and limits.
+    #[command(flatten)]
+    pub judged_by: YardstickArguments,
     /// Mesh to compare with, as it was before
     #[arg(long, value_name = "MESH")]
     pub before: Option<PathBuf>,
-    /// Limits.
-    #[command(flatten)]
-    pub limits: ToleranceArguments,
     /// Progress and messages.
     #[command(flatten)]
     pub talk: Talk,

@@ -2,8 +2,8 @@
 
 use crate::exit::Failure;
 use clap::{Args, ValueEnum};
-use phex_job::{Quantity, Unit};
-use std::path::PathBuf;
+use phex_job::{AtBoundary, Quantity, Unit};
+use std::path::{Path, PathBuf};
 
 /// How progress is shown, on standard error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -66,6 +66,46 @@ pub struct ToleranceArguments {
     /// Unit of the model's coordinates [default: that of the job or run whose limits hold, or m]
     #[arg(long, value_enum)]
     pub unit: Option<Unit>,
+}
+
+/// What a mesh is judged by.
+#[derive(Clone, Debug, Default, Args)]
+pub struct YardstickArguments {
+    /// Surface that the mesh stands for
+    #[arg(long, value_name = "SURFACE")]
+    pub surface: Option<PathBuf>,
+    /// Report of the run that made the mesh: its limits, unit and surfaces hold where nothing else
+    /// is given
+    #[arg(long, value_name = "RUN.JSON")]
+    pub report_of: Option<PathBuf>,
+    /// Job file whose limits hold where nothing else is given: tolerances, unit, boundary, and the
+    /// table `[limits]`
+    #[arg(long, value_name = "JOB.TOML", conflicts_with = "report_of")]
+    pub limits: Option<PathBuf>,
+    /// What panels were to do at the boundary: judges that, too [default: what --report-of says]
+    #[arg(long, value_enum, value_name = "HOW")]
+    pub boundary: Option<AtBoundary>,
+    /// Limits.
+    #[command(flatten)]
+    pub tolerances: ToleranceArguments,
+}
+
+impl YardstickArguments {
+    /// Refuses a limit that has no effect.
+    ///
+    /// # Errors
+    /// If there is one.
+    pub fn check(&self) -> Result<(), Failure> {
+        self.tolerances
+            .check(self.surface.is_some() || self.report_of.is_some())
+    }
+
+    /// The files that are named here, behind others that are read.
+    pub fn inputs<'a>(&'a self, others: impl IntoIterator<Item = &'a Path>) -> Vec<&'a Path> {
+        let here = [&self.surface, &self.report_of, &self.limits];
+        let here = here.into_iter().flatten().map(PathBuf::as_path);
+        others.into_iter().chain(here).collect()
+    }
 }
 
 impl ToleranceArguments {

@@ -2,7 +2,7 @@
 
 use crate::options::Rotations;
 use phex::offset::OffsetError;
-use phex_mesh::Invalid;
+use phex_mesh::{Invalid, Violation};
 use std::fmt;
 use thiserror::Error;
 
@@ -21,7 +21,7 @@ pub enum FabError {
         value: f64,
     },
     /// The mesh is not valid.
-    #[error("{}{cause}", named(.panels))]
+    #[error("{}{cause}{}", named(.panels), flat(.cause))]
     Invalid {
         /// Panels of the first violation.
         panels: Vec<String>,
@@ -74,7 +74,31 @@ fn named(names: &[String]) -> String {
     match names {
         [] => String::new(),
         [one] => format!("panel {one}: "),
-        many => format!("panels {}: ", many.join(", ")),
+        many => format!("panels {}: ", first_of(many)),
+    }
+}
+
+/// Most panels that a message names.
+const NAMED: usize = 10;
+/// Side of a sheet beyond which the unit of the model is in doubt, in mm.
+const NO_SHEET: f64 = 2e4;
+
+/// The first of some names, and how many more there are.
+fn first_of(names: &[String]) -> String {
+    let first = names[..names.len().min(NAMED)].join(", ");
+    match names.len().saturating_sub(NAMED) {
+        0 => first,
+        more => format!("{first} and {more} more"),
+    }
+}
+
+/// What helps where only planarity is missed.
+fn flat(cause: &Invalid) -> &'static str {
+    let decisive = cause.violations.first().is_some_and(Violation::is_decisive);
+    if decisive {
+        ""
+    } else {
+        "; plates are flat: make the panels planar first"
     }
 }
 
@@ -112,15 +136,12 @@ impl fmt::Display for TooLarge {
             "panel {} ({length:.1} x {width:.1} mm) does not fit on a sheet of {long} x {wide} mm with {} mm around it",
             self.panels[0], self.spacing
         )?;
-        if let [_, others @ ..] = self.panels.as_slice()
-            && !others.is_empty()
-        {
-            write!(
-                f,
-                ", and {} more do not: {}",
-                others.len(),
-                others.join(", ")
-            )?;
+        match self.panels.as_slice() {
+            [] | [_] => {}
+            [_, other] => write!(f, ", nor does {other}")?,
+            [_, others @ ..] => {
+                write!(f, ", nor do {} more: {}", others.len(), first_of(others))?;
+            }
         }
         if let Some(angles) = self.rotations.limited() {
             let angles: Vec<String> = angles.iter().map(f64::to_string).collect();
@@ -129,9 +150,43 @@ impl fmt::Display for TooLarge {
         }
         let [a, b] = self.smallest;
         write!(f, "; the smallest sheet for all panels is {a} x {b} mm")?;
-        match self.smallest_free {
-            Some([a, b]) => write!(f, ", and {a} x {b} mm if they may be turned freely"),
-            None => Ok(()),
+        if let Some([a, b]) = self.smallest_free {
+            write!(f, ", and {a} x {b} mm if they may be turned freely")?;
         }
+        if a.max(b) > NO_SHEET {
+            write!(f, ": is the unit of the model right?")?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told(panels: usize, side: f64) -> String {
+        let error = TooLarge {
+            panels: (1..=panels).map(|k| format!("P{k}")).collect(),
+            size: [side, side],
+            sheet: [2500.0, 1250.0],
+            spacing: 5.0,
+            rotations: Rotations::default(),
+            smallest: [side, side],
+            smallest_free: None,
+        };
+        error.to_string()
+    }
+
+    #[test]
+    fn many_panels_are_counted_and_the_unit_is_doubted() {
+        assert!(!told(1, 3000.0).contains("nor"));
+        assert!(told(2, 3000.0).contains(", nor does P2; "));
+        assert!(told(3, 3000.0).contains(", nor do 2 more: P2, P3; "));
+        let many = told(793, 1e6);
+        assert!(many.contains(", nor do 792 more: P2, "), "{many}");
+        assert!(many.contains("P11 and 782 more; "), "{many}");
+        assert!(!many.contains("P12"), "{many}");
+        assert!(many.ends_with("is the unit of the model right?"), "{many}");
+        assert!(!told(793, 3000.0).contains("unit"));
     }
 }

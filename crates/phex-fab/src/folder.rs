@@ -14,7 +14,7 @@ use crate::drawing::{dxf, sheet, sheet_name, svg};
 use crate::error::FabError;
 use crate::fabricate::Fabrication;
 use crate::plate::Plate;
-use crate::schedule::{csv, tables, xlsx};
+use crate::schedule::{self, csv, tables, xlsx};
 use phex::offset::joined;
 use phex_mesh::io::{
     DxfDrawing, FaceAttributes, Format, compas_json, fits_stl, obj_of_objects, write_soup_to,
@@ -108,6 +108,16 @@ fn mesh_json(fabrication: &Fabrication) -> Vec<u8> {
     )
 }
 
+/// Numbers of panels beyond any limit and beyond each; nothing where none is set.
+fn beyond_limits(fabrication: &Fabrication) -> Option<Value> {
+    let (panels, of) = schedule::beyond_limits(fabrication);
+    let mut counts = json!({ "panels": panels });
+    for (kind, count) in &of {
+        counts[kind.name()] = json!(count);
+    }
+    (!of.is_empty()).then_some(counts)
+}
+
 /// What was done, in numbers.
 pub fn summary(fabrication: &Fabrication) -> Value {
     let groups = &fabrication.groups;
@@ -136,5 +146,6 @@ pub fn summary(fabrication: &Fabrication) -> Value {
         "distinct_corner_angles": groups.corners.len(),
         "labels_left_out": labels_left_out,
         "left_out": left_out(fabrication),
+        "beyond_limits": beyond_limits(fabrication),
     })
 }

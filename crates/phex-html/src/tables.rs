@@ -160,6 +160,12 @@ const CHECKS: [(&str, &str, &str); 24] = [
     ),
 ];
 
+/// What a check is called.
+pub fn title(name: &'static str) -> &'static str {
+    let known = CHECKS.iter().find(|c| c.0 == name);
+    known.map_or(name, |c| c.1)
+}
+
 /// How many parts are alike, before edges were made equal and now; nothing where that was not
 /// asked for.
 pub fn repetition(report: &Report<'_>) -> String {
@@ -201,11 +207,11 @@ pub fn repetition(report: &Report<'_>) -> String {
 /// The checks with figures, limits and offenders.
 pub fn checks(report: &Report<'_>) -> String {
     let mut rows = vec![head(&["", "Check", "Value", "Limit", "Offenders"])];
-    rows.extend(report.run.checks.iter().map(check));
+    rows.extend(report.run.checks.iter().map(|c| check(report, c)));
     table("checks", &rows)
 }
 
-fn check(check: &Check) -> Vec<String> {
+fn check(report: &Report<'_>, check: &Check) -> Vec<String> {
     let known = CHECKS.iter().find(|c| c.0 == check.name);
     let (title, meaning) = known.map_or((check.name, ""), |c| (c.1, c.2));
     let mark = match (check.pass, check.decisive) {
@@ -223,11 +229,11 @@ fn check(check: &Check) -> Vec<String> {
         ),
         figure(check.value),
         format!("{sign} {}", figure(check.limit)),
-        named(check),
+        named(report, check),
     ]
 }
 
-fn named(check: &Check) -> String {
+fn named(report: &Report<'_>, check: &Check) -> String {
     if check.ids.is_empty() {
         return String::new();
     }
@@ -237,7 +243,11 @@ fn named(check: &Check) -> String {
         ElementKind::Face => "panels",
         ElementKind::Mesh => "",
     };
-    let first = check.ids.iter().take(NAMED).map(ToString::to_string);
+    let name = |&id: &usize| match check.element {
+        ElementKind::Face => escaped(&report.panel(id)),
+        _ => id.to_string(),
+    };
+    let first = check.ids.iter().take(NAMED).map(name);
     let list = first.collect::<Vec<_>>().join(", ");
     let more = match check.ids.len().saturating_sub(NAMED) {
         0 => String::new(),

@@ -3,7 +3,7 @@
 use crate::arrays::{PackedArray, floats, numbers};
 use crate::layers::{Curves, Gauss, PackedSurface, StartLayer, other_gauss_images};
 use crate::mesh_data::MeshData;
-use crate::{CurveFamily, Report};
+use crate::{CurveFamily, Report, tables};
 use phex::quality::{Check, ElementKind};
 use phex_mesh::{FaceId, HexMesh, Vec3, Violation, bounds};
 use phex_picture::maps::{ColourMap, ColourScale, Coloured};
@@ -166,10 +166,9 @@ pub fn offenders(report: &Report<'_>) -> Vec<FaultyPanels> {
 fn violation(report: &Report<'_>, violation: &Violation) -> FaultyPanels {
     let kind = violation.kind();
     let faces = violation.faces(report.mesh.topology());
-    let quiet = ["not_planar", "collapsed_edge", "small_clearance", "fold"];
     FaultyPanels {
         kind,
-        loud: !quiet.contains(&kind),
+        loud: violation.is_decisive(),
         faces: faces.into_iter().map(FaceId::index).collect(),
         text: violation.to_string(),
     }
@@ -179,11 +178,11 @@ fn violation(report: &Report<'_>, violation: &Violation) -> FaultyPanels {
 fn beyond_limit(check: &Check) -> impl Iterator<Item = FaultyPanels> {
     let faces = check.faces.iter().filter(|f| **f < check.of_face.len());
     faces.map(move |&face| {
-        let name = check.name.replace('_', "-");
+        let name = tables::title(check.name);
         let times = check.of_face[face];
         let text = match check.is_least {
-            true => format!("--{name}: {:.3} of what is asked for", 1.0 / times),
-            false => format!("--{name}: {times:.3} times what is allowed"),
+            true => format!("{name}: {:.3} of what is asked for", 1.0 / times),
+            false => format!("{name}: {times:.3} times what is allowed"),
         };
         FaultyPanels {
             kind: check.name,

@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use phex::quality::{Assessment, Limits, References};
 use phex::report::{InputFile, RunReport};
 use phex_html::{CurveFamily, Report, Viewer, page};
-use phex_mesh::{HexMesh, TriangleSurface, Vec3};
+use phex_mesh::{HexMesh, PanelLimits, TriangleSurface, Vec3};
 use serde_json::Value;
 
 /// A name that does harm where it is not escaped.
@@ -230,6 +230,44 @@ fn layers_are_there_when_they_are_given() {
             .any(|m| m["name"] == "deviation")
     );
     assert_eq!(packed["missing"], serde_json::json!({}));
+}
+
+#[test]
+fn offenders_have_the_names_and_checks_the_words_of_the_page() {
+    let mesh = corner(1.0);
+    let limits = Limits {
+        panels: PanelLimits {
+            max_edge: Some(0.5),
+            max_area: Some(0.5),
+            ..Default::default()
+        },
+        ..Default::default()
+    };
+    let run = RunReport::new(
+        "report",
+        Assessment::new(&mesh, References::default(), &limits),
+    );
+    let names = ["A1", "A2", "B1"].map(str::to_owned);
+    let report = Report {
+        title: "corner",
+        command: "phex",
+        run: &run,
+        mesh: &mesh,
+        names: Some(&names),
+        surface: None,
+        start: None,
+        curves: Err("none"),
+    };
+    let html = page(&report, Some(Viewer::from_script(VIEWER))).unwrap();
+    assert!(html.contains("<td>panels A1, A2, B1, worst at"), "{html}");
+    let packed = data(&html);
+    let texts = packed["offenders"].as_array().unwrap().iter();
+    let texts: Vec<&str> = texts.filter_map(|o| o["text"].as_str()).collect();
+    assert!(
+        texts.contains(&"Largest area: 2.000 times what is allowed"),
+        "{texts:?}"
+    );
+    assert!(texts.iter().all(|text| !text.contains("--")), "{texts:?}");
 }
 
 #[test]

@@ -74,6 +74,6 @@ pub use steering::{SteeringSettings, TypedPlane, TypedSolver, positive};
 pub use suggestion::{Suggestion, SurfaceKind};
 pub use threads::thread_count;
 pub use toml_text::{LONGEST_TOML, from_json, from_toml};
-pub use units::{Area, NoQuantity, NoSize, Quantity, Rectangle, Unit};
+pub use units::{Area, NoQuantity, NoSize, Quantity, Rectangle, Unit, four_digits};
 pub use ways::{WayShown, ways};
 pub use whole_run::{WholeProgress, WholeRun};

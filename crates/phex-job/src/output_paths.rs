@@ -48,7 +48,7 @@ impl OutputPaths {
         let whole = whole(path);
         if self.taken.contains(&whole) {
             return Err(JobError::Input(format!(
-                "{name}: is also read or written under another name: each output needs a file of its own"
+                "{name}: is also read, or written twice: each output needs a file of its own"
             )));
         }
         self.taken.push(whole);

@@ -129,8 +129,9 @@ impl LimitSettings {
         ranges::below(180.0, &[("min-angle", self.min_angle.unwrap_or(1.0))])
     }
 
-    /// Area of a mean panel that leaves room below the limits of size; `None` where there is none.
-    pub fn mean_area(&self, unit: Unit, whole: f64) -> Option<f64> {
+    /// Area of a mean panel that leaves room below the limits of size, and the limit that asks for
+    /// it; `None` where there is none.
+    pub fn mean_area(&self, unit: Unit, whole: f64) -> Option<(f64, &'static str)> {
         let limits = self.in_units(unit, whole);
         let of_sheet = limits.max_panel.map(|[a, b]| {
             let width = a.min(b) / WIDTH;
@@ -138,8 +139,12 @@ impl LimitSettings {
         });
         let of_edge = limits.max_edge.map(|edge| hexagon_area(edge / EDGES));
         let of_area = limits.max_area.map(|area| area / AREAS);
-        let all = [of_sheet, of_edge, of_area].into_iter().flatten();
-        all.min_by(f64::total_cmp)
+        let all = [
+            of_sheet.zip(Some("max-panel")),
+            of_edge.zip(Some("max-edge")),
+            of_area.zip(Some("max-area")),
+        ];
+        all.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// The unit in which a limit was typed, by the name of its check, and the value of 1 of it in
@@ -190,7 +195,7 @@ mod tests {
     #[test]
     fn the_tightest_limit_of_size_gives_the_mean_panel() {
         let limits = |text: &str| -> LimitSettings { toml::from_str(text).unwrap() };
-        let area = |text| limits(text).mean_area(Unit::M, 1.0);
+        let area = |text| limits(text).mean_area(Unit::M, 1.0).map(|(area, _)| area);
         assert_eq!(area("min-edge = 1"), None);
         assert!((area("max-area = 1.4").unwrap() - 1.0).abs() < 1e-12);
         let sheet = area("max-panel = '2x4'").unwrap();

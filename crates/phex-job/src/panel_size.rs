@@ -3,7 +3,7 @@
 use crate::error::JobError;
 use crate::hexagon::{edge_length, hexagon_area};
 use crate::settings::TypedPanelSize;
-use crate::units::Unit;
+use crate::units::{Unit, four_digits};
 use phex::layout::MAX_PANELS;
 use phex_mesh::TriangleSurface;
 
@@ -54,6 +54,27 @@ fn of_edge(edge: f64, area: f64) -> Result<u64, String> {
         ));
     }
     Ok(panels as u64)
+}
+
+/// The number of panels of a mean area that a limit asks for.
+///
+/// # Errors
+/// As [`panels`].
+pub fn of_limit(
+    (area, limit): (f64, &str),
+    surface: &TriangleSurface,
+    unit: Unit,
+) -> Result<u64, JobError> {
+    let panels = (surface.area() / area).ceil();
+    if panels > MAX_PANELS as f64 {
+        let across = four_digits(surface.diagonal());
+        return Err(JobError::input(format!(
+            "{limit} asks for {} panels on a surface that is {across} {unit} across, and at most {MAX_PANELS} make sense: \
+             is the unit right, of the model and of {limit}?",
+            four_digits(panels)
+        )));
+    }
+    checked(panels as u64, surface)
 }
 
 /// A number of panels, if it makes sense on a surface.
@@ -142,6 +163,18 @@ mod tests {
         assert!(message(TypedPanelSize::Panels(0), 0.0).contains("--panels 0"));
         assert!(message(TypedPanelSize::Panels(MAX_PANELS as u64 + 1), 0.0).contains("at most"));
         assert!(message(TypedPanelSize::Panels(1000), 1e12).contains("move the model"));
+    }
+
+    #[test]
+    fn a_limit_that_asks_for_too_many_panels_is_named() {
+        let told = of_limit((1e-6, "max-area"), &square(0.0), Unit::Mm);
+        let told = told.unwrap_err().to_string();
+        assert!(
+            told.starts_with("max-area asks for 100000000 panels"),
+            "{told}"
+        );
+        assert!(told.contains("14.14 mm across"), "{told}");
+        assert_eq!(of_limit((1.0, "max-area"), &square(0.0), Unit::M), Ok(100));
     }
 
     #[test]

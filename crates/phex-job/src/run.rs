@@ -488,7 +488,7 @@ fn panels(
             let unit = settings.unit();
             let of_limits = settings.limits.mean_area(unit, facets.diagonal());
             match of_limits.filter(|_| !settings.is_sized()) {
-                Some(area) => panel_size::checked((facets.area() / area).ceil() as u64, facets),
+                Some(limited) => panel_size::of_limit(limited, facets, unit),
                 None => panel_size::panels(settings.size(), facets, unit),
             }
         }

@@ -225,7 +225,7 @@ fn at_most(figures: impl Iterator<Item = (f64, f64)>) -> f64 {
 fn is_simple(surface: &TriangleSurface) -> bool {
     let topology = surface.topology();
     let loops = topology.boundary_loops().len() as i64;
-    loops <= 1 && topology.euler_characteristic() as i64 + loops == 2
+    loops <= 1 && topology.euler_characteristic() + loops == 2
 }
 
 fn creases(surface: &TriangleSurface) -> usize {

@@ -49,6 +49,72 @@ impl Unit {
     }
 }
 
+/// Largest and least diagonal of what panels are made for, in metres.
+const MODELS: [f64; 2] = [0.01, 2000.0];
+/// The same of what is usual.
+const USUAL: [f64; 2] = [1.0, 500.0];
+/// Squared and cubic metres from which areas and volumes of small units are told in them.
+const IN_METRES: f64 = 1e-3;
+
+impl Unit {
+    /// An area in this unit as it is told: four digits, in square metres where that reads better.
+    pub fn told_area(self, area: f64) -> String {
+        self.told(area, 2)
+    }
+
+    /// The same of a volume.
+    pub fn told_volume(self, volume: f64) -> String {
+        self.told(volume, 3)
+    }
+
+    fn told(self, value: f64, power: i32) -> String {
+        let metres = value * self.metres().powi(power);
+        let is_small = matches!(self, Self::Mm | Self::Cm);
+        match is_small && metres >= IN_METRES {
+            true => format!("{} m{power}", four_digits(metres)),
+            false => format!("{} {self}{power}", four_digits(value)),
+        }
+    }
+
+    /// What is said of a model whose size in this unit is no building's: most often the unit is
+    /// another one.
+    pub fn doubted(self, diagonal: f64) -> Option<String> {
+        let within = |[low, high]: [f64; 2], length: f64| length >= low && length <= high;
+        let metres = diagonal * self.metres();
+        if metres == 0.0 || within(MODELS, metres) {
+            return None;
+        }
+        let mut others = [Self::Mm, Self::M].into_iter();
+        let other = others.find(|unit| within(USUAL, diagonal * unit.metres()));
+        let instead = other.map_or(String::new(), |unit| {
+            let metres = four_digits(diagonal * unit.metres());
+            format!(" (with --unit {unit} it is {metres} m)")
+        });
+        Some(format!(
+            "the model is {} m across: is its unit right?{instead}",
+            four_digits(metres)
+        ))
+    }
+}
+
+/// A number with four digits that mean something.
+pub fn four_digits(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !(1e-4..1e12).contains(&size) {
+        return format!("{value:.3e}");
+    }
+    let power = size.log10().floor() as i32 - 3;
+    if power >= 0 {
+        let step = 10f64.powi(power);
+        return format!("{}", (value / step).round() * step);
+    }
+    let text = format!("{value:.*}", -power as usize);
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
 impl fmt::Display for Unit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
@@ -393,6 +459,34 @@ mod tests {
     fn what_is_written_reads_back() {
         for text in ["20mm", "0.5%", "1.25", "3ft", "1e-12", "1e300m", "0"] {
             assert_eq!(quantity(text).to_string(), text);
+        }
+    }
+
+    #[test]
+    fn areas_and_volumes_are_told_with_four_digits() {
+        assert_eq!(Unit::Mm.told_area(967_476_771.696_228_4), "967.5 m2");
+        assert_eq!(Unit::Mm.told_area(12.345_6), "12.35 mm2");
+        assert_eq!(Unit::M.told_area(0.123_456), "0.1235 m2");
+        assert_eq!(Unit::M.told_area(967_476_771.696), "967500000 m2");
+        assert_eq!(Unit::Ft.told_area(1234.56), "1235 ft2");
+        assert_eq!(Unit::Mm.told_volume(193_680_212_570.943), "193.7 m3");
+        assert_eq!(four_digits(-0.000_02), "-2.000e-5");
+        assert_eq!(four_digits(10.0), "10");
+    }
+
+    #[test]
+    fn a_unit_in_which_no_building_is_built_is_doubted() {
+        let told = Unit::M.doubted(47_376.0).unwrap();
+        assert!(told.contains("47380 m across"), "{told}");
+        assert!(told.contains("--unit mm it is 47.38 m"), "{told}");
+        assert!(
+            Unit::Mm
+                .doubted(5.0)
+                .unwrap()
+                .contains("--unit m it is 5 m")
+        );
+        for (unit, size) in [(Unit::M, 47.0), (Unit::Mm, 47_376.0), (Unit::M, 0.0)] {
+            assert_eq!(unit.doubted(size), None);
         }
     }
 

@@ -60,7 +60,7 @@ pub use measure::{
     deviation, deviation_beyond, irregular_faces, measure, small_rim_faces,
 };
 pub use other_elements::OtherElements;
-pub use panel_limits::{LimitedFigure, PanelLimit, PanelLimits, rectangle_fit};
+pub use panel_limits::{LimitedFigure, PanelLimit, PanelLimits, ROUNDING, rectangle_fit};
 pub use per_element::{PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex};
 pub use plane::FacePlane;
 pub use segment::volume;

@@ -60,7 +60,7 @@ pub enum TopologyError {
         second: FaceId,
     },
     /// Three or more faces share an edge.
-    #[error("the edge between vertices {from} and {to} is used by more than two faces ({faces:?})")]
+    #[error("the edge between vertices {from} and {to} is used by more than two faces: {}", listed(.faces))]
     NonManifoldEdge {
         /// One end.
         from: VertexId,
@@ -98,6 +98,15 @@ pub enum TopologyError {
         /// The vertex.
         vertex: VertexId,
     },
+}
+
+/// Faces in a sentence: `0, 1 and 2`.
+fn listed(faces: &[FaceId]) -> String {
+    let names: Vec<String> = faces.iter().map(ToString::to_string).collect();
+    match names.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
+        _ => names.concat(),
+    }
 }
 
 /// Half-edges by the vertices that they leave, and among these by the vertices that they go to.

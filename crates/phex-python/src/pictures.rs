@@ -2,6 +2,7 @@
 
 use crate::answer::{Answer, AnswerPart};
 use crate::inputs::Inputs;
+use crate::kept::Kept;
 use phex::Progress;
 use phex::quality::References;
 use phex_fab::PanelIds;
@@ -37,7 +38,7 @@ pub fn values(
             let edge = mesh.mean_edge();
             measures.clearance.iter().map(|c| c / edge).collect()
         }
-        name => colours(named(name)?, &mesh, facets.as_ref())?.values,
+        name => colours(named(name)?, &mesh, facets.as_ref(), inputs.kept.as_ref())?.values,
     };
     Ok(vec![("values", AnswerPart::Numbers(values))])
 }
@@ -51,15 +52,17 @@ fn named(name: &str) -> Result<Map, JobError> {
     })
 }
 
+/// A map, by what a run has judged its mesh by, where that is kept, or else by the usual limits.
 fn colours(
     map: Map,
     mesh: &HexMesh,
     facets: Option<&TriangleSurface>,
+    kept: Option<&Kept>,
 ) -> Result<ColourMap, JobError> {
-    let references = References::of_facets(facets);
+    let usual = || TypedLimits::default().judge(mesh, References::of_facets(facets));
     let subject = Subject {
         mesh,
-        assessment: &TypedLimits::default().judge(mesh, references),
+        assessment: &kept.map_or_else(usual, |kept| kept.result.report.assessment()),
         surface: facets,
     };
     let name = map.name();
@@ -86,7 +89,12 @@ pub fn picture(
     _: &dyn Progress,
 ) -> Result<Answer, JobError> {
     let (mesh, facets) = (inputs.panels()?, inputs.surface()?);
-    let map = colours(named(&request.color)?, &mesh, facets.as_ref())?;
+    let map = colours(
+        named(&request.color)?,
+        &mesh,
+        facets.as_ref(),
+        inputs.kept.as_ref(),
+    )?;
     let bytes = match request.svg {
         true => draw_svg(&mesh, &map, &request.options).into_bytes(),
         false => draw_map(&mesh, &map, &request.options).to_png(),

@@ -94,7 +94,10 @@ def explore(
     Trials are kept in ``optuna.journal`` below ``out``: the same call goes on where it ended, with
     more ``trials`` it adds some. ``sampler`` is one of optuna's (default: a multi-objective TPE).
     """
-    import optuna
+    try:
+        import optuna
+    except ImportError as error:
+        raise ImportError("phex.explore needs optuna: pip install 'phex[explore]'") from error
 
     folder = os.path.abspath(path_text(out, "out"))
     count, seed = whole("trials", trials, 10**7), whole("seed", seed, (1 << 32) - 1)

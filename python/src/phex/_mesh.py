@@ -13,7 +13,7 @@ from ._arrays import checked_corners, checked_faces, checked_vertices, is_path, 
 from ._compute import no_valid, run
 from ._errors import InputError
 from ._options import UNITS, Option, checked, real, whole
-from ._output import write_whole
+from ._output import MESH_FORMATS, write_whole
 
 
 class Polygons:
@@ -126,12 +126,19 @@ class Polygons:
         mesh, or else metres."""
         name = path_text(path, "path")
         unit = model_unit(unit, self) or "m"
-        if name.lower().endswith(".3dm"):
+        extension = os.path.splitext(name)[1].lower()
+        if extension == ".3dm":
             from .interop.rhino3dm import save_3dm
 
             save_3dm(self, name, unit)
+        elif extension not in MESH_FORMATS:
+            raise InputError(f"path: {name} ends with none of {', '.join(self._endings())}")
         else:
             run("write", {"path": name, "unit": unit}, self)
+
+    def _endings(self) -> Tuple[str, ...]:
+        """The extensions of the files that it can become."""
+        return (*MESH_FORMATS, ".3dm")
 
     def to_compas(self) -> Any:
         """A ``compas.datastructures.Mesh``; see :mod:`phex.interop.compas`."""
@@ -162,6 +169,10 @@ class Mesh(Polygons):
     def _reference(self) -> Optional[Surface]:
         return None
 
+    def _judged(self, name: str) -> Any:
+        """The judgement of its run, where colours show it."""
+        return None
+
     def per_face(self, name: str) -> NDArray[np.float64]:
         """A number for each face.
 
@@ -175,7 +186,7 @@ class Mesh(Polygons):
             return np.diff(self._offsets).astype(np.float64)
         surface = self._reference()
         meshes = [self] if surface is None else [self, surface]
-        values = run("values", {"name": name}, *meshes)["values"]
+        values = run("values", {"name": name}, *meshes, kept=self._judged(name))["values"]
         if len(values) != len(self):
             raise InputError(f"`{name}` has a value for each edge, not for each face")
         return values  # type: ignore[no-any-return]
@@ -197,7 +208,7 @@ class Mesh(Polygons):
         request = {"color": color, "svg": _truth("svg", svg), "options": options}
         surface = self._reference()
         meshes = [self] if surface is None else [self, surface]
-        return run("picture", request, *meshes)["picture"]  # type: ignore[no-any-return]
+        return run("picture", request, *meshes, kept=self._judged(color))["picture"]  # type: ignore[no-any-return]
 
     def save(
         self,
@@ -214,6 +225,9 @@ class Mesh(Polygons):
             write_whole(name, self.picture(svg=extension == ".svg"))
         else:
             super().save(name, unit=unit)
+
+    def _endings(self) -> Tuple[str, ...]:
+        return (*super()._endings(), ".png", ".svg")
 
     def _repr_png_(self) -> bytes:
         return self.picture(width=800, height=600)
@@ -296,10 +310,17 @@ class Panelling(Mesh):
     def page(self, title: str = "", curves: bool = True) -> str:
         """The HTML report as a text: pictures, tables and, where it was built in, the interactive
         view."""
+        request = {"title": title or self.name, "command": "phex (Python)", "curves": curves}
+        return run("page", request, kept=self._judgement())["page"]  # type: ignore[no-any-return]
+
+    def _judged(self, name: str) -> Any:
+        return self._judgement() if name == "validity" else None
+
+    def _judgement(self) -> Any:
+        """What is kept for pages and pictures."""
         if "_kept" not in self.__dict__:
             self._kept = self._judged_again()
-        request = {"title": title or self.name, "command": "phex (Python)", "curves": curves}
-        return run("page", request, kept=self._kept)["page"]  # type: ignore[no-any-return]
+        return self._kept
 
     def _judged_again(self) -> Any:
         """What a copy keeps for pages: judged by the limits of its report, which it takes up."""
@@ -327,6 +348,9 @@ class Panelling(Mesh):
             super().save(name, unit=unit)
         else:
             raise no_valid(f"{name}: not written, since the mesh is not valid", self)
+
+    def _endings(self) -> Tuple[str, ...]:
+        return (*super()._endings(), ".html")
 
     def _save_page(self, path: str) -> None:
         write_whole(path, self.page(os.path.basename(path)).encode())

@@ -48,7 +48,7 @@ class Option(NamedTuple):
 #: Every option of ``phex mesh``, in its order; kinds are explained in :func:`checked`.
 MESH: Dict[str, Option] = {
     "output": Option("path"),
-    "panels": Option("count", "500, or as many as the largest sheet, edge or area asks for"),
+    "panels": Option("size", "500, or as many as the largest sheet, edge or area asks for"),
     "edge_length": Option("length"),
     "method": Option("choice", "lattice", METHODS),
     "effort": Option("choice", "normal", EFFORTS),
@@ -118,7 +118,7 @@ STEERING = tuple(name for name, option in MESH.items() if option.table == "steer
 def checked(name: str, value: Any, option: Option) -> Any:
     """A value that JSON can hold, if it is of the option's kind.
 
-    ``count``: a whole number from 0; ``number``, ``positive``; ``length``: a number or a text such
+    ``count``: a whole number from 0, ``size`` from 1; ``number``, ``positive``; ``length``: a number or a text such
     as ``"20mm"``, ``"0.5%"``; ``choice``; ``symmetry``: a choice or a whole number; ``flag``;
     ``path``; ``numbers``: a list of them; ``plane``: ``"lowest"``, a height, or six numbers;
     ``rectangle``: two lengths; ``area``.
@@ -131,6 +131,8 @@ def checked(name: str, value: Any, option: Option) -> Any:
         raise _wrong(name, value, "True or False")
     if option.kind == "count":
         return whole(name, value)
+    if option.kind == "size":
+        return whole(name, value, least=1)
     if option.kind in ("number", "positive"):
         number = real(name, value)
         if option.kind == "positive" and not number > 0.0:

@@ -27,6 +27,17 @@ export function figure(value: number): string {
   if (value === 0) return "0";
   if (!Number.isFinite(value)) return "–";
   const size = Math.abs(value);
-  if (size < 1e-3 || size >= 1e6) return value.toExponential(1).replace("e-", "e−");
+  if (size < 1e-3) return value.toExponential(1).replace("e-", "e−");
+  if (size >= 1e6) return value.toExponential(3);
   return String(Number(value.toPrecision(4))).replace("-", "−");
+}
+
+/** Square metres from which areas of small units are told in them. */
+const IN_METRES = 1e-3;
+
+/** An area with its unit, in square metres where that reads better. */
+export function area(value: number, unit: string): string {
+  const metres = { mm: 1e-3, cm: 1e-2 }[unit];
+  const inMetres = metres === undefined ? 0 : value * metres * metres;
+  return inMetres >= IN_METRES ? `${figure(inMetres)} m²` : `${figure(value)} ${unit}²`;
 }

@@ -1,7 +1,7 @@
 /** What is known of the picked panel. */
 
 import { NO_FACE, faceCorners, panelName, type Mesh, type Packed, type PackedMap } from "./data";
-import { figure, h } from "./dom";
+import { area, figure, h } from "./dom";
 import { say } from "./words";
 
 export interface Facts {
@@ -55,7 +55,7 @@ export function card(facts: Facts, face: number, go: (face: number) => void): HT
     list.append(h("dt", {}, say(name)), h("dd", { "data-field": field }, ...value));
   };
   row("Shape", "shape", say(facts.concave[face] ? "{} corners, concave" : "{} corners, convex", corners.length));
-  row("Area", "area", `${figure(facts.area[face])} ${unit}²`);
+  row("Area", "area", area(facts.area[face], unit));
   row("Planarity", "planarity", `${figure(facts.planarity[face])} ${unit}`);
   for (const { map, values } of facts.maps) {
     if (map.element === "face" && map.name !== "planarity") row(map.title, map.name, shown(map, values[face]));

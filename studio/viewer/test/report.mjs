@@ -133,6 +133,19 @@ async function aGoodMesh() {
     await page.keyboard.press("Escape");
     assert.equal(await page.locator(".selection dl").count(), 0);
     assert.match(await text(page, ".command"), /^phex report good\.obj/);
+    await page.setViewportSize({ width: 360, height: 740 });
+    const covered = await page.evaluate(() => {
+      const isCovered = (element) => {
+        const { left, width, top, height } = element.getBoundingClientRect();
+        return !element.contains(document.elementFromPoint(left + width / 2, top + height / 2));
+      };
+      document.querySelector(".view").scrollIntoView();
+      return [...document.querySelectorAll(".views button, .compare button")].filter(isCovered).map((b) => b.textContent);
+    });
+    assert.deepEqual(covered, [], "in a small window, too");
+    await page.emulateMedia({ media: "print" });
+    const hidden = await page.$$eval("details > :not(summary)", (all) => all.filter((e) => !e.checkVisibility()).map((e) => e.outerHTML.slice(0, 80)));
+    assert.deepEqual(hidden, [], "what is folded away is printed");
   });
 }
 

@@ -103,6 +103,14 @@ async function saved(page, selector) {
   return path;
 }
 
+/** Whether nothing lies over the middle of an element. */
+const isSeen = (page, selector) =>
+  page.evaluate((selector) => {
+    const element = document.querySelector(selector);
+    const { left, width, top, height } = element.getBoundingClientRect();
+    return width > 0 && element.contains(document.elementFromPoint(left + width / 2, top + height / 2));
+  }, selector);
+
 const program = (...words) => spawnSync(phex, words, { cwd: folder, encoding: "utf8" });
 
 /** Task 1: from a file to its facts and to a verdict. */
@@ -262,6 +270,28 @@ async function filesAreTakenHome() {
   await leave(page);
 }
 
+/** A file that takes its time is said to be in the making until it is there, whatever a run tells meanwhile. */
+async function aFileInTheMakingIsTold() {
+  const page = await visit();
+  await small(page);
+  let release;
+  const held = new Promise((resolve) => (release = resolve));
+  await page.route(/mesh\.obj/, async (route) => {
+    await held;
+    await route.continue();
+  });
+  await page.click('[data-file="mesh.obj"]');
+  assert.match(await text(page, ".making"), /Making the file/);
+  await set(page, "panels", "70");
+  assert.equal(await verdict(page), "pass");
+  assert.ok(await page.isVisible(".making"));
+  const saved = page.waitForEvent("download");
+  release();
+  await saved;
+  await page.waitForSelector(".making", { state: "hidden" });
+  await leave(page);
+}
+
 /** A surface and a job file that are dropped together are both taken, and what is not is told. */
 async function filesAreDroppedTogether() {
   const page = await visit();
@@ -320,6 +350,7 @@ async function wrongValuesAreToldByTheirField() {
   await set(page, "panels", "80");
   assert.equal(await verdict(page), "pass");
   assert.ok(!(await page.isVisible(".earlier")));
+  await page.$$eval("details.group", (groups) => groups.forEach((group) => (group.open = true)));
   const staysTold = async (notice) => {
     assert.match(await text(page, ".status"), notice);
     assert.ok(await page.isVisible(".earlier"), "the files are said to be of the run before");
@@ -338,11 +369,15 @@ async function wrongValuesAreToldByTheirField() {
     ["seed", "", null],
     ["symmetry", "1", /^Symmetry is `auto`/],
     ["symmetry", "", null],
+    ["limits.min-angle", "300", /^Sharpest corner can't be 300/],
+    ["limits.min-angle", "", null],
     ["rotate", "abc", /^Rotation: `abc` is not a number$/],
   ]) {
     await set(page, name, value);
     if (told) await staysTold(told);
     else await verdict(page);
+    const refused = await page.$$eval('[aria-invalid="true"]', (fields) => fields.map((field) => field.closest("[data-setting]").dataset.setting));
+    assert.deepEqual(refused, told ? [name] : []);
   }
   await page.click('[data-act="language"]');
   assert.ok(await page.isVisible(".earlier"));
@@ -392,6 +427,7 @@ async function badFilesAreRefused() {
   const refused = async (name, content, wanted) => {
     await drop(page, name, content);
     await page.waitForFunction((name) => document.querySelector('.status[data-kind="problem"]')?.textContent.includes(name), wanted);
+    assert.ok(await isSeen(page, ".status"), `what is said of ${name} is seen`);
   };
   await refused("a.obj", "v 0 0 zero\nf 1 2 3\n", "a.obj: line 1");
   await refused("a.xyz", "1 2 3\n", "a.xyz");
@@ -441,6 +477,7 @@ async function theKeyboardIsEnough() {
   for (let k = 0; k < 40; k++) {
     const name = await page.evaluate(() => document.activeElement.dataset.sample ?? document.activeElement.textContent);
     seen.add(name);
+    assert.ok(await page.evaluate(() => !document.activeElement.closest(".tools, .views, .canvas")), `${name} lies below the welcome`);
     if (name === "roof") break;
     await page.keyboard.press("Tab");
   }
@@ -479,9 +516,22 @@ async function windowsOfAnySize() {
         };
         const buttons = [...document.querySelectorAll(".view button, .tools select")];
         const tick = document.querySelector("[data-compare-run]").getBoundingClientRect();
-        return { wide: document.documentElement.scrollWidth, covered: buttons.filter(covered).map((b) => b.textContent), tick: tick.right };
+        const tight = [...document.querySelectorAll(".choices span")].filter((choice) => {
+          const range = document.createRange();
+          range.selectNodeContents(choice);
+          return range.getBoundingClientRect().width + 5 > choice.getBoundingClientRect().width;
+        });
+        const [undo, redo] = ["undo", "redo"].map((act) => document.querySelector(`[data-act="${act}"]`).getBoundingClientRect().top);
+        return {
+          wide: document.documentElement.scrollWidth,
+          covered: buttons.filter(covered).map((b) => b.textContent),
+          tick: tick.right,
+          tight: tight.map((choice) => choice.textContent),
+          together: undo === redo,
+        };
       });
       const told = `${language} ${width} x ${height}: ${JSON.stringify(found)}`;
+      assert.ok(found.tight.length === 0 && found.together, told);
       assert.ok(found.wide <= width && found.tick <= width && found.covered.length === 0, told);
     }
     await page.click('[data-act="language"]');
@@ -522,6 +572,7 @@ const TESTS = [
   aGuideIsDrawn,
   runsAreCompared,
   filesAreTakenHome,
+  aFileInTheMakingIsTold,
   filesAreDroppedTogether,
   theLastDropWins,
   aRunIsStopped,

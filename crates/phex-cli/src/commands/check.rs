@@ -1,22 +1,22 @@
 //! `phex check`: judges any polygon mesh.
 
 use super::tell;
+use super::yardstick::Yardstick;
 use crate::args::CheckCommand;
 use crate::bundle;
 use crate::exit::{Exit, Failure};
 use crate::html::Shown;
-use crate::output::{self, check_writable, given};
+use crate::output::{self, check_writable};
 use crate::progress::Reporter;
-use crate::promise::Promise;
 use crate::summary::{self, SummaryTable};
-use crate::verdict::{or_promised, written};
+use crate::verdict::written;
 use anyhow::Context;
 use phex::curvature::{CurvatureOptions, curvature};
 use phex::curvature::{free_panels, indicatrix_distances};
 use phex::layout::CELL;
-use phex::quality::{Assessment, Omitted, Reason, Verdict};
-use phex::report::{InputFile, RunReport};
-use phex_job::{Content, MeshFile, TypedLimits};
+use phex::quality::Verdict;
+use phex::report::RunReport;
+use phex_job::{Content, MeshFile};
 use phex_mesh::measure::Metric;
 use phex_mesh::{FaceId, HexMesh, TriangleSurface};
 use serde::Serialize;
@@ -28,38 +28,23 @@ use std::path::PathBuf;
 /// # Errors
 /// If an input can't be used or an output can't be written.
 pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
-    let inputs = given([
-        Some(&command.input),
-        command.surface.as_ref(),
-        command.report_of.as_ref(),
-    ]);
-    (command.tolerances).check(command.surface.is_some() || command.report_of.is_some())?;
+    let inputs = command.judged_by.inputs([command.input.as_path()]);
+    command.judged_by.check()?;
     let bundle = command.bundle.as_deref().map(|p| (p, Content::Other));
     let outputs: Vec<_> = command.extras.outputs().chain(bundle).collect();
     check_writable(&outputs, &inputs)?;
-    let promise = command
-        .report_of
-        .as_deref()
-        .map(Promise::read)
-        .transpose()?;
-    let limits = limits(command, promise.as_ref())?;
+    let yardstick = Yardstick::read(&command.judged_by)?;
     let file = MeshFile::read(&command.input)?;
     let (mesh, dropped) = file.polygon_mesh()?;
-    let surfaces = CheckSurfaces::read(command, promise.as_ref())?;
-    let (smooth, facets) = (surfaces.smooth.as_ref(), surfaces.facets.as_ref());
-    let mut assessment = limits.judge_finished(&mesh, smooth, facets);
-    if promise.is_some_and(|p| p.has_smooth()) && smooth.is_none() {
-        assessment.not_checked.push(Omitted {
-            name: "deviation_smooth",
-            reason: Reason::NoSmoothSurface,
-        });
-    }
-    let mut table = summary::of_assessment(&assessment, &limits, command.talk.verbose);
+    let assessment = yardstick.judge(&mesh);
+    let limits = &yardstick.limits;
+    let mut table = summary::of_assessment(&assessment, limits, command.talk.verbose);
+    let facets = yardstick.facets.as_ref();
     let indicatrix = facets.map(|surface| indicatrix(&mesh, surface));
     if let Some(metric) = indicatrix.as_ref().filter(|m| m.all.count > 0) {
         table += &inscribed(metric);
     }
-    let mut report = report_of(&limits, assessment, "check");
+    let mut report = yardstick.report(assessment, "check");
     table += &summary::of_features(&mut report, &mesh, facets);
     table += &summary::of_verdict(report.verdict);
     tell(command.talk.quiet || command.json, &table)?;
@@ -74,10 +59,10 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
         report.notes.push(note);
     }
     report.inputs = std::iter::once(file.record)
-        .chain(surfaces.records)
+        .chain(yardstick.records.iter().cloned())
         .collect();
     let shown = Shown {
-        surface: surfaces.facets.as_ref(),
+        surface: facets,
         ..Shown::of(&mesh)
     };
     command.extras.write(&shown, &mut report)?;
@@ -91,70 +76,13 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
     Ok(Exit::of_check(report.verdict == Verdict::Pass))
 }
 
-/// What is typed, and where nothing is what a job or an earlier run promised.
-fn limits(command: &CheckCommand, promise: Option<&Promise>) -> Result<TypedLimits, Failure> {
-    let promised = match &command.limits {
-        Some(job) => Some(TypedLimits::of_job(job)?),
-        None => promise.map(Promise::limits).transpose()?,
-    };
-    let boundary = command.boundary.map(Into::into);
-    Ok(or_promised(&command.tolerances, boundary, promised))
-}
-
 /// The files that a check read.
 fn read(command: &CheckCommand, report: &RunReport) -> Vec<PathBuf> {
     let inputs = report.inputs.iter().map(|i| PathBuf::from(&i.path));
-    let others = [&command.report_of, &command.limits];
+    let others = [&command.judged_by.report_of, &command.judged_by.limits];
     inputs
         .chain(others.into_iter().flatten().cloned())
         .collect()
-}
-
-/// The surfaces that a mesh stands for.
-struct CheckSurfaces {
-    facets: Option<TriangleSurface>,
-    smooth: Option<TriangleSurface>,
-    records: Vec<InputFile>,
-}
-
-impl CheckSurfaces {
-    /// Those that are typed, or else those of an earlier run.
-    fn read(command: &CheckCommand, promise: Option<&Promise>) -> Result<Self, Failure> {
-        let (facets, smooth) = match (&command.surface, promise) {
-            (Some(path), _) => (Some(MeshFile::read(path)?), None),
-            (None, Some(promise)) => (promise.surface()?, promise.smooth()?),
-            (None, None) => (None, None),
-        };
-        let surface = |file: &Option<MeshFile>| -> Result<Option<TriangleSurface>, Failure> {
-            let file = file.as_ref();
-            Ok(file.map(|f| f.surface()).transpose()?)
-        };
-        Ok(Self {
-            facets: surface(&facets)?,
-            smooth: surface(&smooth)?,
-            records: [facets, smooth]
-                .into_iter()
-                .flatten()
-                .map(|f| f.record)
-                .collect(),
-        })
-    }
-}
-
-/// A report of a command that judges a mesh.
-pub(super) fn report_of(
-    limits: &TypedLimits,
-    assessment: Assessment,
-    command: &'static str,
-) -> RunReport {
-    let mut report = limits.report(command, assessment);
-    report.settings = json!({
-        "planarity": limits.planarity,
-        "max-deviation": limits.max_deviation,
-        "unit": limits.unit,
-        "limits": limits.panels,
-    });
-    report
 }
 
 /// How far the corners of inner panels are from a homothetic copy of Dupin's indicatrix, over the

@@ -9,7 +9,7 @@ use crate::progress::Reporter;
 use crate::summary::SummaryTable;
 use phex_fab::folder::{files, left_out, summary};
 use phex_fab::plate::Plate;
-use phex_fab::schedule::panel_centres;
+use phex_fab::schedule::{self, panel_centres};
 use phex_fab::{FabError, FabOptions, Fabrication, PanelIds, fabricate, valid_mesh};
 use phex_job::MeshFile;
 use phex_job::MeshSettings;
@@ -144,6 +144,7 @@ fn text(fabrication: &Fabrication, command: &FabCommand) -> String {
     );
     let lines = [
         ("names", nothing_kept(command, fabrication)),
+        ("limits", beyond_limits(fabrication)),
         ("CUT", beyond(fabrication)),
         ("no room", without_room(fabrication)),
         ("left out", left_out(fabrication)),
@@ -187,6 +188,23 @@ fn nothing_kept(command: &FabCommand, fabrication: &Fabrication) -> Option<Strin
     Some(format!(
         "of {} fit no panel, all are new: none is within half a mean edge of one there",
         path.display()
+    ))
+}
+
+/// How many panels are beyond which limits, where some are set.
+fn beyond_limits(fabrication: &Fabrication) -> Option<String> {
+    let (panels, of) = schedule::beyond_limits(fabrication);
+    if of.is_empty() {
+        return None;
+    }
+    if panels == 0 {
+        return Some("all panels keep to them".to_owned());
+    }
+    let missed = of.iter().filter(|(_, count)| *count > 0);
+    let missed = missed.map(|(kind, count)| format!("{count} --{}", kind.name().replace('_', "-")));
+    Some(format!(
+        "{panels} panels are beyond them: {} (columns ..._used of panels.csv)",
+        missed.collect::<Vec<_>>().join(", ")
     ))
 }
 

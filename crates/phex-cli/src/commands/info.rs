@@ -6,7 +6,9 @@ use crate::exit::{Exit, Failure};
 use crate::output;
 use crate::summary::SummaryTable;
 use anyhow::Context;
-use phex_job::{ComponentInfo, FileInfo, MeshFile, Quantity, Suggestion, SurfaceKind, Unit};
+use phex_job::{
+    ComponentInfo, FileInfo, MeshFile, Quantity, Suggestion, SurfaceKind, Unit, four_digits,
+};
 use serde::Serialize;
 
 /// How many components the table lists; JSON holds all of them.
@@ -32,7 +34,7 @@ pub fn run(command: &InfoCommand) -> Result<Exit, Failure> {
         let json = serde_json::to_string_pretty(&told).context("the information")?;
         output::print(&(json + "\n"))?;
     } else {
-        let text = table(&info) + &advice(&told, command.unit);
+        let text = table(&info, command.unit) + &advice(&told, command.unit);
         tell(command.talk.quiet, &text)?;
     }
     Ok(if info.problem.is_some() {
@@ -79,8 +81,10 @@ fn advice(told: &FileAnswer<'_>, unit: Unit) -> String {
         table.row(
             "suggestion",
             format!(
-                "-n {}: edges of about {edge:.3} {unit}, {off:.2e} {unit} ({share:.2} %) off the surface",
-                s.panels
+                "-n {}: edges of about {} {unit}, {} {unit} ({share:.2} %) off the surface",
+                s.panels,
+                four_digits(edge),
+                four_digits(off)
             ),
         );
     }
@@ -101,7 +105,7 @@ fn advice(told: &FileAnswer<'_>, unit: Unit) -> String {
     table.into_text()
 }
 
-fn table(info: &FileInfo) -> String {
+fn table(info: &FileInfo, unit: Unit) -> String {
     let mut table = SummaryTable::default();
     table.row("file", &info.path);
     table.row("vertices", info.vertices);
@@ -115,17 +119,18 @@ fn table(info: &FileInfo) -> String {
         info.edge_length_min,
         info.edge_length_mean,
         info.edge_length_max,
-    ];
+    ]
+    .map(four_digits);
     table.row(
         "edges",
-        format!("from {min:.4e} to {max:.4e}, mean {mean:.4e}"),
+        format!("from {min} to {max} {unit}, mean {mean} {unit}"),
     );
     if let Some(area) = info.area {
-        table.row("area", area);
+        table.row("area", unit.told_area(area));
         table.row("components", info.components.len());
     }
     for component in info.components.iter().take(LISTED) {
-        table.row("surface", sentence(component));
+        table.row("surface", sentence(component, unit));
     }
     if info.components.len() > LISTED {
         table.row(
@@ -133,7 +138,7 @@ fn table(info: &FileInfo) -> String {
             format!("and {} more", info.components.len() - LISTED),
         );
     }
-    for note in &info.notes {
+    for note in info.notes.iter().chain(&unit.doubted(info.diagonal)) {
         table.row("note", note);
     }
     if let Some(problem) = &info.problem {
@@ -151,7 +156,7 @@ fn faces_by_size(info: &FileInfo) -> String {
     format!("{} ({})", info.faces, sizes.join(", "))
 }
 
-fn sentence(component: &ComponentInfo) -> String {
+fn sentence(component: &ComponentInfo, unit: Unit) -> String {
     let ComponentInfo {
         vertices,
         triangles,
@@ -165,5 +170,6 @@ fn sentence(component: &ComponentInfo) -> String {
         1 => "1 boundary loop".to_owned(),
         n => format!("{n} boundary loops"),
     };
+    let area = unit.told_area(*area);
     format!("{vertices} vertices, {triangles} triangles, {boundary}, genus {genus}, area {area}")
 }

@@ -24,6 +24,7 @@ mod studio;
 mod subdivide;
 mod sweep;
 mod terms;
+mod yardstick;
 
 use crate::args::Command;
 use crate::exit::{Exit, Failure};

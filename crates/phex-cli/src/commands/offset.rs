@@ -90,6 +90,13 @@ impl<'a> OffsetJob<'a> {
             let told = format!("--distance: {} (model units) is given twice", twice[0]);
             return Err(Failure::new(Exit::Usage, told));
         }
+        let between = command.solids || command.beams;
+        if between && distances == [0.0] {
+            return Err(Failure::new(
+                Exit::Usage,
+                "--distance 0 is the mesh itself: --solids and --beams lie between two layers, so give another distance",
+            ));
+        }
         let face_distances = command.face_distances.as_deref().map(read_distances);
         if command.face_distances.is_some() && command.kind != Kind::Face {
             return Err(Failure::new(
@@ -107,7 +114,6 @@ impl<'a> OffsetJob<'a> {
                 "give --distance, --face-distances, --max-distance or --gauss-image",
             ));
         }
-        let between = command.solids || command.beams;
         if silent && between {
             return Err(Failure::new(
                 Exit::Usage,

@@ -209,7 +209,7 @@ fn paths_that_can_not_be_written_are_told_before_the_computation() {
     refused_as_is(
         &shop,
         "mesh a.obj -o out.obj --report out.obj",
-        &["out.obj", "also read or written"],
+        &["out.obj", "also read, or written twice"],
     );
 }
 
@@ -569,7 +569,7 @@ fn a_link_to_a_file_that_is_not_there_is_followed() {
     assert!(shop.path("folder/real.obj").is_file());
     std::os::unix::fs::symlink("a.ply", shop.path("same.ply")).unwrap();
     let both = "mesh a.obj -o same.ply --write-target a.ply -n 5";
-    shop.phex(both).refuses(4, &["also read or written"]);
+    shop.phex(both).refuses(4, &["also read, or written twice"]);
 }
 
 /// What is typed is carried out or refused, by name.

@@ -240,7 +240,7 @@ fn check_refuses_faces_that_are_no_manifold() {
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 1 1 1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n",
     );
     shop.phex("check a.obj")
-        .refuses(4, &["a.obj", "0 and 1", "more than two faces"]);
+        .refuses(4, &["a.obj", "0 and 1", "more than two faces: 0, 1 and 2"]);
 }
 
 #[test]
@@ -360,10 +360,38 @@ fn report_is_one_file_that_names_the_command() {
         .refuses(4, &["flat.obj"]);
     shop.phex("report bent.obj --html bent.html")
         .refuses(3, &[]);
+    // The limits of a job hold for the page as they do for a check.
+    shop.succeed("report flat.obj --html flat.html -q");
+    shop.write("job.toml", "[limits]\nmax-edge = 0.5\n");
+    let judged = shop.phex("report flat.obj --html flat.html --limits job.toml");
+    assert_eq!(judged.code, Some(3), "{}", judged.stderr);
+    let html = String::from_utf8(shop.read("flat.html")).unwrap();
+    assert!(html.contains("Outside tolerance") && html.contains("Largest edge"));
+    std::fs::remove_file(shop.path("job.toml")).unwrap();
     assert_eq!(
         shop.files(),
         ["bent.html", "bent.obj", "flat.html", "flat.obj"]
     );
+}
+
+/// Sizes are told with the digits that mean something, and a unit that can't be right is doubted.
+#[test]
+fn info_tells_sizes_in_their_unit() {
+    let shop = Workshop::new();
+    shop.write("roof.obj", honeycomb(4, 4, |_, p| p.map(|x| 6000.0 * x)));
+    let said = shop.succeed("info roof.obj --unit mm").stdout;
+    assert!(said.contains("area         1496 m2"), "{said}");
+    assert!(!said.contains("unit right"), "{said}");
+    let said = shop.succeed("info roof.obj").stdout;
+    assert!(
+        said.contains("m across: is its unit right? (with --unit mm it is "),
+        "{said}"
+    );
+    let run = shop.phex("mesh roof.obj -o out.obj --max-area 2 --unit mm");
+    let told = ["max-area asks for", "mm across", "is the unit right"];
+    run.refuses(4, &told);
+    let run = shop.phex("offset roof.obj --distance 0 --solids -o layers");
+    run.refuses(2, &["--distance 0 is the mesh itself", "--solids"]);
 }
 
 /// Every figure of the certificate names its worst element.
@@ -410,7 +438,7 @@ fn check_certifies_each_figure_with_its_worst_element() {
     shop.write("crossed.obj", crossed);
     let run = shop.phex("check crossed.obj");
     assert!(
-        run.stdout.contains("1 faces are NOT simple (first 0)"),
+        run.stdout.contains("simple       face 0 is NOT"),
         "{}",
         run.stdout
     );

@@ -240,13 +240,13 @@ fn drawings_are_in_millimetres() {
 fn a_sheet_that_is_too_small_is_told_what_would_do() {
     let shop = with_honeycomb();
     let fab = "fab m.obj --thickness 10mm --planarity 1e-9 --nest-effort 0 -o out";
-    let all = "A2, A3, A4, B1, B2, B3, B4, C1, C2, C3, C4";
+    let others = "A2, A3, A4, B1, B2, B3, B4, C1, C2, C3";
     let run = shop.phex(&format!("{fab} --sheet 180x500"));
     run.refuses(
         4,
         &[
             "panel A1 ",
-            &format!("11 more do not: {all};"),
+            &format!("nor do 11 more: {others} and 1 more;"),
             "smallest sheet",
         ],
     );
@@ -303,4 +303,68 @@ fn a_thickness_past_the_safe_offset_names_panels_and_the_safe_one() {
             .split(';')
             .all(|m| (m.parse::<f64>().unwrap() - 45.0).abs() < 1e-9)
     }));
+}
+
+/// Short edges are outside a tolerance: plates are cut all the same, and layers say it alike.
+#[test]
+fn what_is_outside_a_tolerance_is_cut() {
+    let shop = Workshop::new();
+    // The first corner comes close to the second, in the plane of all panels.
+    let second = std::cell::Cell::new([0.0; 3]);
+    honeycomb(3, 4, |k, p| {
+        if k == 1 {
+            second.set(p);
+        }
+        p
+    });
+    let near = |k: usize, p: [f64; 3]| match k {
+        0 => [0, 1, 2].map(|i| second.get()[i] + 0.03 * (p[i] - second.get()[i])),
+        _ => p,
+    };
+    shop.write("m.obj", honeycomb(3, 4, near));
+    let check = shop.phex("check m.obj");
+    assert_eq!(check.code, Some(3), "{}", check.stdout);
+    assert!(
+        check.stdout.contains("OUTSIDE TOLERANCE"),
+        "{}",
+        check.stdout
+    );
+    let layers = shop.phex("offset m.obj --distance 0.01 -o layers");
+    assert_eq!(layers.code, Some(3), "{}", layers.stderr);
+    let told = "INHERITED    the mesh itself is outside a tolerance, and so are its layers: ";
+    assert!(layers.stdout.contains(told), "{}", layers.stdout);
+    shop.succeed("fab m.obj --thickness 1mm --sheet 9x9m --nest-effort 0 -o out");
+    shop.write(
+        "bent.obj",
+        honeycomb(3, 4, |k, [x, y, _]| [x, y, 0.1 * (k % 2) as f64]),
+    );
+    let told = ["panel C1", "not planar", "make the panels planar first"];
+    refused(&shop, "fab bent.obj --thickness 1mm -o other", 4, &told);
+}
+
+/// Limits judge what is cut: a joint makes the upper face smaller, but for sides at the boundary.
+#[test]
+fn limits_judge_the_plates() {
+    let shop = with_honeycomb();
+    shop.write("job.toml", "[limits]\nmax-edge = '95mm'\nmin-angle = 20\n");
+    let fab = "fab m.obj --thickness 1mm --planarity 1e-9 --nest-effort 0 -o out --limits job.toml";
+    let run = shop.succeed(fab);
+    let told =
+        "limits       12 panels are beyond them: 12 --max-edge (columns ..._used of panels.csv)";
+    assert!(run.stdout.contains(told), "{}", run.stdout);
+    let counts = &shop.json("out/fab.json")["beyond_limits"];
+    let expected = serde_json::json!({ "panels": 12, "max_edge": 12, "min_angle": 0 });
+    assert_eq!(counts, &expected);
+    let run = shop.succeed(&format!("{fab} --gap 10mm"));
+    let told = "limits       10 panels are beyond them: 10 --max-edge";
+    assert!(run.stdout.contains(told), "{}", run.stdout);
+    let rows = table(&shop, "out/panels.csv");
+    let column = |name: &str| rows[0].iter().position(|h| h == name).unwrap();
+    let (used, lengths) = (column("max_edge_used"), column("lengths_mm"));
+    for row in &rows[1..] {
+        let longest = row[lengths].split(';').map(|l| l.parse::<f64>().unwrap());
+        let longest = longest.fold(0.0, f64::max);
+        let used: f64 = row[used].parse().unwrap();
+        assert!((used - longest / 95.0).abs() < 1e-3, "{row:?}");
+    }
 }

@@ -148,5 +148,5 @@ fn a_bundle_holds_what_the_check_read_and_said() {
         "{about}"
     );
     let run = shop.phex("check panels.obj --bundle panels.obj");
-    run.refuses(4, &["also read or written"]);
+    run.refuses(4, &["also read, or written twice"]);
 }

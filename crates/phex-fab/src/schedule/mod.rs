@@ -16,7 +16,7 @@ pub use workbook::xlsx;
 use crate::error::FabError;
 use crate::fabricate::Fabrication;
 use crate::ids::{check_name, engraved};
-use phex_mesh::Vec3;
+use phex_mesh::{PanelLimit, Vec3};
 use std::collections::HashMap;
 
 /// One cell.
@@ -67,6 +67,11 @@ pub struct Table {
     pub head: Vec<&'static str>,
     /// Rows, each as long as the headings.
     pub rows: Vec<Vec<Cell>>,
+}
+
+/// How many panels are beyond any of the limits that are set, and beyond each of them.
+pub fn beyond_limits(fabrication: &Fabrication) -> (usize, Vec<(PanelLimit, usize)>) {
+    panels::beyond_limits(fabrication)
 }
 
 /// All tables.

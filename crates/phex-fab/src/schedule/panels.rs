@@ -5,8 +5,10 @@ use crate::fabricate::Fabrication;
 use crate::ids::{edge_name, node_name};
 use crate::nest::Placement;
 use crate::outline::least_rectangle;
-use phex::quality::{Assessment, Check, Limits, References};
-use phex_mesh::{FlatFace, PanelLimit};
+use crate::plate::Plate;
+use phex_mesh::{
+    ElementId, FaceId, FlatFace, HexMesh, LimitedFigure, PanelLimit, PerFace, ROUNDING, Vec2,
+};
 
 pub(super) fn table(fabrication: &Fabrication) -> Table {
     let limits = limits(fabrication);
@@ -36,13 +38,8 @@ pub(super) fn table(fabrication: &Fabrication) -> Table {
         "centre_z_mm",
         "labels_left_out",
     ];
-    head.extend(limits.iter().map(|(column, _)| *column));
-    let of_limits = |k: usize| {
-        let face = fabrication.plates[k].face.index();
-        limits
-            .iter()
-            .map(move |(_, check)| Cell::from(check.of_face[face].max(0.0)))
-    };
+    head.extend(limits.iter().map(|(kind, _)| column(*kind)));
+    let of_limits = |k: usize| limits.iter().map(move |(_, used)| Cell::from(used[k]));
     let mean_edge = fabrication.mesh.mean_edge();
     let placements = fabrication.placements().into_iter().enumerate();
     let rows = placements
@@ -60,22 +57,68 @@ pub(super) fn table(fabrication: &Fabrication) -> Table {
     }
 }
 
-/// The limits that are set, with their columns: how near each panel is, beyond 1 it is outside.
-fn limits(fabrication: &Fabrication) -> Vec<(&'static str, Check)> {
-    let set = Limits {
-        panels: fabrication.options.limits,
-        ..Limits::default()
+/// How near each plate is to the limits that are set; beyond 1 it is outside. What is cut is
+/// judged: the upper face, which the joint makes smaller, and for the sheet the outline of both
+/// faces; angles between panels are the mesh's.
+fn limits(fabrication: &Fabrication) -> Vec<(PanelLimit, Vec<f64>)> {
+    let (plates, limits) = (&fabrication.plates, &fabrication.options.limits);
+    let tops = limits.figures(&laid_out(fabrication, |plate| &plate.top));
+    let outlines = limits.figures(&laid_out(fabrication, |plate| &plate.outline));
+    let joints = limits.figures(&fabrication.mesh);
+    let of_kind = |(kind, _)| {
+        let (figures, of_mesh) = match kind {
+            PanelLimit::MaxPanel => (&outlines, false),
+            PanelLimit::MinDihedral | PanelLimit::MaxDihedral => (&joints, true),
+            _ => (&tops, false),
+        };
+        let mut used = PerFace::from_vec(vec![0.0_f64; plates.len()]);
+        for figure in figures.iter().filter(|figure| figure.kind == kind) {
+            for &f in figure.faces.iter().flatten() {
+                used[f] = used[f].max(nearness(figure));
+            }
+        }
+        let number = |(k, plate): (usize, &Plate)| match of_mesh {
+            true => used[plate.face],
+            false => used[FaceId::from_index(k)],
+        };
+        (kind, plates.iter().enumerate().map(number).collect())
     };
-    if set.panels.is_empty() {
-        return Vec::new();
+    limits.set().map(of_kind).collect()
+}
+
+/// How many plates are beyond any of the limits that are set, and beyond each of them.
+pub(super) fn beyond_limits(fabrication: &Fabrication) -> (usize, Vec<(PanelLimit, usize)>) {
+    let limits = limits(fabrication);
+    let is_beyond = |used: &f64| *used > 1.0 + ROUNDING;
+    let panels = 0..fabrication.plates.len();
+    let any = panels.filter(|&k| limits.iter().any(|(_, used)| is_beyond(&used[k])));
+    let of = |(kind, used): &(PanelLimit, Vec<f64>)| {
+        (*kind, used.iter().filter(|used| is_beyond(used)).count())
+    };
+    (any.count(), limits.iter().map(of).collect())
+}
+
+/// The polygons of all plates side by side, in model units: face `k` is that of plate `k`.
+fn laid_out(fabrication: &Fabrication, polygon: fn(&Plate) -> &Vec<Vec2>) -> HexMesh {
+    let mut positions = Vec::new();
+    let mut faces: Vec<Vec<u32>> = Vec::new();
+    for plate in &fabrication.plates {
+        let first = positions.len() as u32;
+        let corners = polygon(plate)
+            .iter()
+            .map(|p| p / fabrication.options.unit_mm);
+        positions.extend(corners.map(|p| p.push(0.0)));
+        faces.push((first..positions.len() as u32).collect());
     }
-    let assessment = Assessment::new(&fabrication.mesh, References::default(), &set);
-    let named = |check: Check| {
-        let mut kinds = set.panels.set().map(|(kind, _)| kind);
-        let kind = kinds.find(|kind| kind.name() == check.name)?;
-        Some((column(kind), check))
-    };
-    assessment.checks.into_iter().filter_map(named).collect()
+    HexMesh::new(positions, &faces).expect("polygons that share no corner")
+}
+
+/// How near a figure is to its limit; above 1 beyond it.
+fn nearness(figure: &LimitedFigure) -> f64 {
+    match figure.kind.is_least() {
+        true => figure.limit / figure.value,
+        false => figure.value / figure.limit,
+    }
 }
 
 fn column(kind: PanelLimit) -> &'static str {

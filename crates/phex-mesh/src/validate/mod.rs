@@ -1,8 +1,9 @@
 //! Is a mesh valid? What is wrong with it, and where?
 //!
-//! A valid mesh has planar, simple faces, three faces at each interior vertex, no collapsed edge,
-//! and lies like a surface: no face is flipped, no vertex is covered twice, no edge passes through
-//! another face. That it is an oriented manifold is already implied by [`HexMesh`].
+//! A valid mesh has planar, simple faces, three faces at each interior vertex, and lies like a
+//! surface: no face is flipped, no vertex is covered twice, no edge passes through another face.
+//! That it is an oriented manifold is already implied by [`HexMesh`]. Short edges, narrow necks and
+//! sharp folds are violations of tolerances, which do not make it invalid.
 //! Self-intersection is decided by exact predicates on the given coordinates.
 //!
 //! A [`ValidHexMesh`] is made by [`validate`] and nowhere else.
@@ -75,7 +76,7 @@ pub fn planarity_floor(mesh: &HexMesh) -> f64 {
     4.0 * f64::EPSILON * mesh.diagonal().max(largest) / mesh.mean_edge()
 }
 
-/// A mesh that [`validate`] found no violation in. It cannot be changed.
+/// A mesh in which [`validate`] found nothing that makes it invalid. It cannot be changed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ValidHexMesh {
     mesh: HexMesh,
@@ -100,15 +101,19 @@ impl Deref for ValidHexMesh {
 pub struct Invalid {
     /// The mesh, as it was given.
     pub mesh: Box<HexMesh>,
-    /// What is wrong with it; at least one.
+    /// What is wrong with it; at least one, those that make it invalid first.
     pub violations: Vec<Violation>,
 }
 
 impl fmt::Display for Invalid {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the mesh is not valid")?;
         if let Some(first) = self.violations.first() {
-            write!(f, ": {first}")?;
+            let word = if first.is_decisive() {
+                "valid"
+            } else {
+                "planar"
+            };
+            write!(f, "the mesh is not {word}: {first}")?;
         }
         match self.violations.len().saturating_sub(1) {
             0 => Ok(()),
@@ -119,7 +124,8 @@ impl fmt::Display for Invalid {
 
 impl std::error::Error for Invalid {}
 
-/// Wraps a mesh that has no violation.
+/// Wraps a mesh that is planar and has no violation that is decisive
+/// ([`Violation::is_decisive`]).
 ///
 /// ```
 /// # use phex_mesh::{HexMesh, Vec3};
@@ -141,25 +147,26 @@ impl std::error::Error for Invalid {}
 /// ```
 ///
 /// # Errors
-/// If there is a violation; the mesh is given back with all of them.
+/// If it is not planar, or a violation is decisive; the mesh is given back with all violations.
 pub fn validate(
     mesh: HexMesh,
     surface: Option<&TriangleSurface>,
     options: &ValidateOptions,
 ) -> Result<ValidHexMesh, Invalid> {
-    let violations = violations(&mesh, surface, options);
-    if violations.is_empty() {
-        Ok(ValidHexMesh { mesh })
-    } else {
-        Err(Invalid {
-            mesh: Box::new(mesh),
-            violations,
-        })
+    let mut violations = violations(&mesh, surface, options);
+    let refuses = |v: &Violation| v.is_decisive() || matches!(v, Violation::NotPlanar { .. });
+    if !violations.iter().any(refuses) {
+        return Ok(ValidHexMesh { mesh });
     }
+    violations.sort_by_key(|v| (!v.is_decisive(), !refuses(v)));
+    Err(Invalid {
+        mesh: Box::new(mesh),
+        violations,
+    })
 }
 
-/// All violations of a mesh, by kind and then by element; empty if and only if it is valid. With a
-/// surface, faces are also checked against its normals. The same for any number of threads.
+/// All violations of a mesh, by kind and then by element. With a surface, faces are also checked
+/// against its normals. The same for any number of threads.
 pub fn violations(
     mesh: &HexMesh,
     surface: Option<&TriangleSurface>,

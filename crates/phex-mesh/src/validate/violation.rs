@@ -136,6 +136,18 @@ impl Violation {
         }
     }
 
+    /// Whether the mesh is no panelling at all with it; else it is outside a tolerance: not planar,
+    /// too short, too narrow or too sharply folded for what is asked for, and can be made.
+    pub fn is_decisive(&self) -> bool {
+        !matches!(
+            self,
+            Self::NotPlanar { .. }
+                | Self::CollapsedEdge { .. }
+                | Self::SmallClearance { .. }
+                | Self::Fold { .. }
+        )
+    }
+
     /// The faces that take part: the named ones, and those that hold the named edge or vertex.
     pub fn faces(&self, topology: &Topology) -> Vec<FaceId> {
         match *self {

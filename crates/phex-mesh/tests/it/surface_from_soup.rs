@@ -296,7 +296,7 @@ fn triangles_without_area_are_taken_out_at_any_scale_and_place() {
             let topology = part.surface.topology();
             assert_eq!((topology.n_vertices(), topology.n_faces()), (5, 4));
             assert_eq!(topology.boundary_loops().len(), 1);
-            assert!(parts.notes.sentences()[1].contains("1 faces without area"));
+            assert!(parts.notes.sentences()[1].contains("1 face without area"));
         }
     }
 }

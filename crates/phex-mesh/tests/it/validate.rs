@@ -81,9 +81,32 @@ fn invalid_mesh_comes_back_with_its_violations() {
     assert!(
         invalid
             .to_string()
-            .starts_with("the mesh is not valid: face 0 is not planar"),
+            .starts_with("the mesh is not planar: face 0 is not planar"),
         "{invalid}"
     );
+}
+
+#[test]
+fn what_is_outside_a_tolerance_is_valid() {
+    let flat = honeycomb(4, 4);
+    let tight = ValidateOptions {
+        edge_length_rel: 1.5,
+        clearance: 1.5,
+        ..Default::default()
+    };
+    let found = violations(&flat, None, &tight);
+    assert!(found.iter().any(|v| v.kind() == "small_clearance"));
+    assert!(found.iter().any(|v| v.kind() == "collapsed_edge"));
+    assert!(found.iter().all(|v| !v.is_decisive()));
+    assert!(validate(flat.clone(), None, &tight).is_ok());
+    let corners = flat.topology().face_vertices(cell(4, 1, 1));
+    let (a, b) = (corners[2], corners[3]);
+    let mut swapped = positions(&flat);
+    (swapped[a], swapped[b]) = (flat.position(b), flat.position(a));
+    let refused = validate(flat.with_positions(swapped), None, &tight).unwrap_err();
+    assert!(refused.violations[0].is_decisive(), "{refused}");
+    assert!(!refused.violations.last().unwrap().is_decisive());
+    assert!(refused.to_string().starts_with("the mesh is not valid: "));
 }
 
 #[test]

@@ -2,7 +2,7 @@ use super::*;
 use phex::quality::{Assessment, Limits, References};
 use phex::report::FeatureSizes;
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
-use phex_mesh::{HexMesh, TriangleSurface, Vec3};
+use phex_mesh::{HexMesh, PanelLimits, TriangleSurface, Vec3};
 
 /// A map of a mesh without a surface.
 pub fn map(mesh: &HexMesh, map: Map) -> ColourMap {
@@ -140,6 +140,32 @@ fn a_panel_that_crosses_itself_is_told_from_a_concave_one() {
     assert_eq!(
         values::VALIDITY[class(0.5, -0.5)].label,
         "self-intersecting"
+    );
+}
+
+#[test]
+fn panels_beyond_a_limit_are_outside_a_tolerance() {
+    let mesh = corner([1.0; 2]);
+    let limits = Limits {
+        panels: PanelLimits {
+            max_edge: Some(0.5),
+            ..Default::default()
+        },
+        ..Default::default()
+    };
+    let assessment = Assessment::new(&mesh, References::default(), &limits);
+    let subject = Subject {
+        mesh: &mesh,
+        assessment: &assessment,
+        surface: None,
+    };
+    let shown = ColourMap::new(Map::Validity, &subject).unwrap();
+    let label = |v: &f64| values::VALIDITY[*v as usize].label;
+    assert!(
+        shown
+            .values
+            .iter()
+            .all(|v| label(v) == "outside a tolerance")
     );
 }
 

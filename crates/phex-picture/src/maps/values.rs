@@ -105,15 +105,15 @@ fn validity(subject: &Subject<'_>) -> Vec<f64> {
     let assessment = subject.assessment;
     let concave = &assessment.measures.per_element.concave;
     let mut class: PerFace<u8> = concave.map(|&c| u8::from(c));
-    let far = assessment.checks.iter().find(|c| c.name == "deviation");
-    for &f in far.iter().flat_map(|check| &check.ids) {
+    let missed = assessment.checks.iter().filter(|c| !c.pass && !c.decisive);
+    for &f in missed.flat_map(|check| &check.faces) {
         class[FaceId::from_index(f)] = 2;
     }
     for violation in &assessment.violations {
-        let worse = match violation.kind() {
-            "not_simple" => 4,
-            "not_planar" | "collapsed_edge" | "small_clearance" | "fold" => 2,
-            _ => 3,
+        let worse = match violation.is_decisive() {
+            true if violation.kind() == "not_simple" => 4,
+            true => 3,
+            false => 2,
         };
         let faces: BTreeSet<FaceId> = violation.faces(topology).into_iter().collect();
         for f in faces {

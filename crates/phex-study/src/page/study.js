@@ -154,7 +154,7 @@
       const grip = drawn("rect", { x: x - 16, width: 32, y: TOP - 6, height: BOTTOM - TOP + 12, class: "grip" });
       grip.setAttribute("data-axis", a.name);
       svg.append(name, rail, range, ...a.ticks.map((tick) => {
-        const text = drawn("text", { x, y: height(tick.at) + 4, stroke: "var(--paper)", "stroke-width": 3, "paint-order": "stroke" });
+        const text = drawn("text", { x, y: height(tick.at) + 4, stroke: "var(--paper)", "stroke-width": 7, "stroke-linejoin": "round", "paint-order": "stroke" });
         text.textContent = tick.text.length > 14 ? `${tick.text.slice(0, 13)}…` : tick.text;
         return text;
       }), grip);

@@ -330,7 +330,8 @@ export const GERMAN: Record<string, string> = {
   "Turning panels at corners": "Platten werden an Ecken gedreht",
   // What came of it.
   Pass: "Bestanden",
-  "Outside limits": "Außerhalb der Grenzen",
+  "The model is {} m across: is its unit right?": "Das Modell misst {} m: Stimmt die Einheit?",
+  "Outside tolerance": "Außerhalb der Toleranz",
   Invalid: "Ungültig",
   "Mean edge": "Mittlere Kante",
   "Hexagons inside": "Sechsecke innen",

@@ -1,13 +1,13 @@
 /** What came of a run: verdict, figures, checks, files. */
 
 import { numbers } from "../data";
-import { button, figure, h } from "../dom";
+import { area, button, figure, h } from "../dom";
 import { say } from "../words";
 import type { Check, Result } from "./server";
 
 const VERDICTS: Record<Result["verdict"], [string, string]> = {
   pass: ["pass", "Pass"],
-  outside_tolerance: ["outside", "Outside limits"],
+  outside_tolerance: ["outside", "Outside tolerance"],
   invalid: ["invalid", "Invalid"],
 };
 
@@ -54,7 +54,7 @@ export function figures(result: Result): [string, string][] {
   ];
   if (f.deviation !== null) rows.push(["Deviation", `${figure(f.deviation)} ${unit}`]);
   if (f.hexagons !== null) rows.push(["Hexagons inside", `${(100 * f.hexagons).toFixed(1)} %`]);
-  rows.push(["Concave", String(f.concave)], ["Area", `${figure(f.area)} ${unit}²`], ["Time", `${result.seconds.toFixed(1)} s`]);
+  rows.push(["Concave", String(f.concave)], ["Area", area(f.area, unit)], ["Time", `${result.seconds.toFixed(1)} s`]);
   return rows;
 }
 

@@ -349,6 +349,7 @@ const NAMED = /^(?:line \d+: |--|(?=[\w.-]+(?:: | can't be )))([\w.-]+)/;
 
 export class Settings {
   private updates: (() => void)[] = [];
+  private refused: Setting | null = null;
 
   constructor(
     private readonly state: State,
@@ -374,6 +375,7 @@ export class Settings {
 
   /** What is wrong with what is typed, by its field; null where nothing is. */
   problem(): string | null {
+    this.refuse(null);
     for (const setting of SETTINGS) {
       const cause = wrong(setting, this.state.get(setting.path));
       if (cause !== null) return `${say(setting.label)}: ${cause}`;
@@ -385,8 +387,15 @@ export class Settings {
   named(message: string): string {
     return message.replace(NAMED, (whole, name: string) => {
       const setting = SETTINGS.find(({ path }) => path === name || path.endsWith(`.${name}`));
+      if (setting) this.refuse(setting);
       return setting ? say(setting.label) : whole;
     });
+  }
+
+  /** Notes the setting that the program has refused, whose field is marked. */
+  private refuse(setting: Setting | null): void {
+    this.refused = setting;
+    this.update();
   }
 
   private row(setting: Setting): HTMLElement {
@@ -435,6 +444,7 @@ export class Settings {
     this.updates.push(() => {
       const value = this.state.get(setting.path);
       if (document.activeElement !== field || value === undefined) field.value = value === undefined ? "" : String(value);
+      field.setAttribute("aria-invalid", String(this.refused === setting || wrong(setting, value) !== null));
     });
     if (setting.slider) box.append(this.slider(setting, setting.slider));
     return box;

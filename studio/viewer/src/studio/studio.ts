@@ -1,7 +1,7 @@
 /** The studio: a surface, what is wanted of it, and what came of it. */
 
 import { Box3, BufferAttribute, Vector3 } from "three";
-import { button, figure, h } from "../dom";
+import { area, button, figure, h } from "../dom";
 import { part, partsOf, sections, view, type Parts } from "../frame";
 import { say, speak } from "../words";
 import { GERMAN } from "./german";
@@ -59,6 +59,9 @@ const STAGES: Record<string, string> = {
   angles: "Turning panels at corners",
 };
 
+/** Lengths of the units in metres. */
+const METRES: Record<string, number> = { m: 1, cm: 1e-2, mm: 1e-3, ft: 0.3048, in: 0.0254 };
+
 export class Studio {
   readonly view: View;
   readonly state: State;
@@ -111,8 +114,10 @@ export class Studio {
   private buildMain(): void {
     const left = h("aside", { class: "wishes", "aria-label": say("Settings") }, part("surface-facts"), part("groups"), part("set-on-surface"), part("hint"));
     const middle = view();
-    middle.append(part("tools"), part("status"), part("welcome"), part("measured"));
-    const right = h("aside", { class: "results", "aria-label": say("Result") }, part("outcome"), part("view-sections"), part("files"), part("history"));
+    middle.append(part("tools"), part("welcome"), part("status"), part("measured"));
+    const making = part("making", "p");
+    making.hidden = true;
+    const right = h("aside", { class: "results", "aria-label": say("Result") }, part("outcome"), part("view-sections"), making, part("files"), part("history"));
     const others = part("others");
     others.hidden = true;
     this.parts("main").replaceChildren(left, h("div", { class: "stage-area" }, middle, others), right);
@@ -194,6 +199,8 @@ export class Studio {
     const empty = this.surface === null;
     this.parts("main").toggleAttribute("data-empty", empty);
     this.parts("welcome").hidden = !empty;
+    // What lies below the welcome is out of reach of the keyboard, too.
+    for (const name of ["canvas", "views", "tools"]) this.parts(name).inert = empty;
   }
 
   private showHint(): void {
@@ -212,12 +219,14 @@ export class Studio {
       ["Size", `${size} ${unit}`],
       ["Faces", String(info.faces)],
     ];
-    if (info.area !== null) rows.push(["Area", `${figure(info.area)} ${unit}²`]);
+    if (info.area !== null) rows.push(["Area", area(info.area, unit)]);
     if (info.components.length > 1) rows.push(["Parts", String(info.components.length)]);
     else if (part) rows.push(["Boundary", part.boundary_loops === 0 ? say("closed") : part.boundary_loops === 1 ? say("one loop") : say("{} loops", part.boundary_loops)], ["Handles", String(part.genus)]);
+    const metres = info.diagonal * METRES[unit];
+    const doubt = metres > 0 && (metres < 0.01 || metres > 2000) ? [h("p", { class: "problem" }, say("The model is {} m across: is its unit right?", figure(metres)))] : [];
     const problem = info.problem === null ? [] : [h("p", { class: "problem", role: "alert" }, h("b", {}, say("This is no surface")), ` ${info.problem}`)];
     const notes = info.notes.map((note) => h("p", { class: "none" }, note));
-    box.replaceChildren(h("h2", {}, say("Surface")), h("p", { class: "name" }, surface.name), figureList(rows), ...problem, ...notes);
+    box.replaceChildren(h("h2", {}, say("Surface")), h("p", { class: "name" }, surface.name), figureList(rows), ...doubt, ...problem, ...notes);
   }
 
   /** Shows what is set, and what can be undone. */
@@ -448,7 +457,7 @@ export class Studio {
     this.stale = false;
     this.view.showResult(result.view);
     this.say("", "");
-    this.announce(say(result.verdict === "pass" ? "Pass" : result.verdict === "invalid" ? "Invalid" : "Outside limits"));
+    this.announce(say(result.verdict === "pass" ? "Pass" : result.verdict === "invalid" ? "Invalid" : "Outside tolerance"));
     this.showOutcome();
     requestAnimationFrame(() => requestAnimationFrame(() => this.remember(result)));
   }
@@ -614,16 +623,27 @@ export class Studio {
     return form;
   }
 
+  /** Saves a file of a result; that it is being made stands beside the files, whatever a run tells meanwhile. */
   private async save(address: string): Promise<void> {
-    // A notice of a run stays: it tells why the file is not of what is set now.
-    if (!this.stale) this.say(say("Making the file …"), "busy");
+    this.making(1);
     await this.attempt(async () => {
       const { name, blob } = await server.download(address);
       const link = h("a", { href: URL.createObjectURL(blob), download: name }) as HTMLAnchorElement;
       link.click();
       setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-      if (this.parts("status").dataset.kind === "busy") this.say("");
     });
+    this.making(-1);
+  }
+
+  /** Number of files that are being made. */
+  private filesInMaking = 0;
+
+  private making(more: number): void {
+    this.filesInMaking += more;
+    const line = this.parts("making");
+    line.hidden = this.filesInMaking === 0;
+    line.textContent = line.hidden ? "" : say("Making the file …");
+    if (more > 0) this.announce(say("Making the file …"));
   }
 
   // Runs that were.

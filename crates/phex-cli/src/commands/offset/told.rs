@@ -93,7 +93,10 @@ impl Told<'_> {
         for volume in self.contents.iter().filter_map(OffsetFile::volume) {
             table.row(
                 "solids",
-                format!("{panels} closed panels, volume {volume:.6} {unit}3"),
+                format!(
+                    "{panels} closed panels, volume {}",
+                    unit.told_volume(volume)
+                ),
             );
         }
         if let Some(text) = inherited(&base.inheritance.violations) {
@@ -237,7 +240,9 @@ fn inherited(violations: &[Violation]) -> Option<String> {
         0 => String::new(),
         n => format!(" (and {n} more)"),
     };
+    let decisive = violations.iter().find(|v| v.is_decisive());
+    let (are, first) = decisive.map_or(("outside a tolerance", first), |v| ("invalid", v));
     Some(format!(
-        "the mesh is not valid itself, and its layers are not: {first}{more}"
+        "the mesh itself is {are}, and so are its layers: {first}{more}"
     ))
 }
