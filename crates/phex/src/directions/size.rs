@@ -61,17 +61,7 @@ pub fn relative_sizes(
     let own = |v| match options.adaptive {
         Some(c) => {
             let curvature = principal[v].large.abs();
-            let resolved = (c / (curvature * length)).clamp(
-                if c == 0.8 {
-                    std::env::var("PHX_S")
-                        .ok()
-                        .and_then(|s| s.parse().ok())
-                        .unwrap_or(SMALLEST)
-                } else {
-                    SMALLEST
-                },
-                1.0,
-            );
+            let resolved = (c / (curvature * length)).clamp(SMALLEST, 1.0);
             let apart = thickness.map_or(f64::INFINITY, |t| {
                 (8.0 * OF_THICKNESS * t[v] / curvature).sqrt() / length
             });

@@ -81,6 +81,14 @@ impl AttemptSummary {
         }
     }
 
+    /// The merit before a search, which cures what is broken like what is outside limits, but
+    /// evens no sizes out: those of a lattice that nobody asked to have large and small panels
+    /// count as if they were outside limits.
+    pub(super) fn before_search(&self) -> Merit {
+        let uneven = self.area_spread.unwrap_or(1.0).ln().powi(2);
+        self.merit.before_search(uneven)
+    }
+
     /// The same with the panels in model coordinates.
     pub(super) fn restored(mut self, restore: impl Fn(Vec3) -> Vec3) -> Self {
         self.mesh = self.mesh.mapped(|p| restore(*p));

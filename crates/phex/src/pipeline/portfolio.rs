@@ -189,7 +189,7 @@ impl Task<'_> {
     /// Takes the best of those that are left.
     fn taken(&self, left: &mut Vec<(usize, Member)>) -> Option<(usize, Member)> {
         let merit = |k: usize| match self.searches() {
-            true => left[k].1.summary.merit.before_search(),
+            true => left[k].1.summary.before_search(),
             false => left[k].1.summary.merit,
         };
         let better = |a, b| match merit(b).is_better(&merit(a)) {

@@ -108,11 +108,12 @@ impl Merit {
         no_more(self.invalid, other.invalid) && no_more(self.outside, other.outside)
     }
 
-    /// The same before a search, which cures what is broken like what is outside limits.
-    pub(crate) fn before_search(self) -> Self {
+    /// The same before a search, which cures what is broken like what is outside limits, and not
+    /// what is `uneven`.
+    pub(crate) fn before_search(self, uneven: f64) -> Self {
         Self {
             invalid: 0.0,
-            outside: self.invalid + self.outside,
+            outside: self.invalid + self.outside + uneven,
             ..self
         }
     }
@@ -172,7 +173,16 @@ mod tests {
     fn before_a_search_what_is_broken_counts_like_what_is_outside() {
         let [broken, outside] = [merit(2.0, 1.0, 0.0), merit(0.0, 9.0, 0.0)];
         assert!(outside.is_better(&broken));
-        assert!(broken.before_search().is_better(&outside.before_search()));
+        assert!(
+            broken
+                .before_search(0.0)
+                .is_better(&outside.before_search(0.0))
+        );
+        assert!(
+            outside
+                .before_search(0.0)
+                .is_better(&broken.before_search(9.0))
+        );
     }
 
     #[test]

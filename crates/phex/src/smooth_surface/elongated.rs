@@ -83,11 +83,7 @@ pub(crate) fn cut_short(
     let mut steps = Vec::new();
     let calm = without_slivers(surface, SLIVER * spacing, mirrors);
     let (mut opened, open) = Opened::along_creases(calm.as_ref().unwrap_or(surface));
-    let open = if std::env::var("PHX_F").is_ok() {
-        open
-    } else {
-        with_flat_normals(open)
-    };
+    let open = with_flat_normals(open);
     let normals = arched_normals(&open);
     let mut now = open.with_normals(normals);
     let most = (MANY * wanted).max(MORE * now.positions().len());
@@ -505,5 +501,65 @@ mod tests {
         let (mut count, mut worst) = (0, 0.0_f64);
         in_plane.for_each(|p| (count, worst) = (count + 1, worst.max(p.x.abs())));
         assert!(count > 41 && worst < 1e-15, "{count} {worst}");
+    }
+
+    #[test]
+    fn both_sides_of_a_crease_are_split_together() {
+        // A disc with lobes, extruded: corners of its outline lie on creases.
+        let n = 90;
+        let rim = |z: f64| {
+            (0..n).map(move |i| {
+                let a = std::f64::consts::TAU * f64::from(i) / f64::from(n);
+                let r = 1.0 + 0.25 * (9.0 * a).cos().signum();
+                Vec3::new(r * a.cos(), r * a.sin(), z)
+            })
+        };
+        let centres = [0.0, 0.4].map(|z| Vec3::new(0.0, 0.0, z));
+        let places: Vec<Vec3> = rim(0.0).chain(rim(0.4)).chain(centres).collect();
+        let n = n as u32;
+        let triangles = (0..n).flat_map(|i| {
+            let j = (i + 1) % n;
+            [
+                [i, j, j + n],
+                [i, j + n, i + n],
+                [j, i, 2 * n],
+                [i + n, j + n, 2 * n + 1],
+            ]
+        });
+        let body = TriangleSurface::new(places, &triangles.collect::<Vec<_>>()).unwrap();
+        for wanted in (1..12).map(|k| 700 * k) {
+            let cut = cut_short(&body, wanted, &[]).unwrap().surface;
+            let topology = cut.topology();
+            assert!(
+                topology.is_closed() && topology.euler_characteristic() == 2,
+                "{wanted}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_plane_face_stays_plane_beside_a_fillet() {
+        // A plate of 4 by 4 that ends in a quarter of a round of radius .5, six strips wide.
+        let across = |k: usize| match k {
+            0 => Vec3::zeros(),
+            _ => {
+                let a = 15.0_f64.to_radians() * (k - 1) as f64;
+                Vec3::new(4.0 + 0.5 * a.sin(), 0.0, 0.5 * a.cos() - 0.5)
+            }
+        };
+        let places = (0..8).flat_map(|k| [across(k), across(k) + 4.0 * Vec3::y()]);
+        let triangles = (0..7)
+            .map(|k| 2 * k)
+            .flat_map(|a| [[a, a + 2, a + 3], [a, a + 3, a + 1]]);
+        let triangles: Vec<[u32; 3]> = triangles.collect();
+        let plate = TriangleSurface::new(places.collect(), &triangles).unwrap();
+        let cut = cut_short(&plate, 600, &[]).unwrap().surface;
+        let off = cut
+            .positions()
+            .iter()
+            .filter(|p| p.x < 3.9)
+            .map(|p| p.z.abs());
+        let most = off.fold(0.0, f64::max);
+        assert!(most < 1e-9, "{most}");
     }
 }
