@@ -7,7 +7,7 @@ use crate::html;
 use crate::offset_arguments::OffsetCommand;
 use crate::parallel_arguments::ParallelCommand;
 use crate::picture_arguments::{RenderCommand, ReportCommand};
-use crate::shared_arguments::{Extras, Talk, ToleranceArguments, YardstickArguments};
+use crate::shared_arguments::{CriteriaArguments, Extras, Talk, ToleranceArguments};
 use crate::sweep_arguments::SweepCommand;
 use crate::terms::TERMS;
 use clap::builder::PossibleValuesParser;
@@ -239,7 +239,7 @@ pub struct CheckCommand {
     pub input: PathBuf,
     /// Surface and limits.
     #[command(flatten)]
-    pub judged_by: YardstickArguments,
+    pub judged_by: CriteriaArguments,
     /// Print the report (JSON) instead of the table
     #[arg(long)]
     pub json: bool,

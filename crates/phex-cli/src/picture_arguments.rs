@@ -1,7 +1,7 @@
 //! What can be typed about pictures.
 
 use crate::exit::EXIT_CODES;
-use crate::shared_arguments::{Talk, ToleranceArguments, YardstickArguments};
+use crate::shared_arguments::{CriteriaArguments, Talk, ToleranceArguments};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use phex_picture::PictureOptions;
@@ -76,7 +76,7 @@ pub struct ReportCommand {
     pub html: PathBuf,
     /// Surface and limits.
     #[command(flatten)]
-    pub judged_by: YardstickArguments,
+    pub judged_by: CriteriaArguments,
     /// Mesh to compare with, as it was before
     #[arg(long, value_name = "MESH")]
     pub before: Option<PathBuf>,

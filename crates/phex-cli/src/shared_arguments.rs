@@ -70,7 +70,7 @@ pub struct ToleranceArguments {
 
 /// What a mesh is judged by.
 #[derive(Clone, Debug, Default, Args)]
-pub struct YardstickArguments {
+pub struct CriteriaArguments {
     /// Surface that the mesh stands for
     #[arg(long, value_name = "SURFACE")]
     pub surface: Option<PathBuf>,
@@ -90,7 +90,7 @@ pub struct YardstickArguments {
     pub tolerances: ToleranceArguments,
 }
 
-impl YardstickArguments {
+impl CriteriaArguments {
     /// Refuses a limit that has no effect.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! `phex check`: judges any polygon mesh.
 
+use super::criteria::Criteria;
 use super::tell;
-use super::yardstick::Yardstick;
 use crate::args::CheckCommand;
 use crate::bundle;
 use crate::exit::{Exit, Failure};
@@ -33,18 +33,18 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
     let bundle = command.bundle.as_deref().map(|p| (p, Content::Other));
     let outputs: Vec<_> = command.extras.outputs().chain(bundle).collect();
     check_writable(&outputs, &inputs)?;
-    let yardstick = Yardstick::read(&command.judged_by)?;
+    let criteria = Criteria::read(&command.judged_by)?;
     let file = MeshFile::read(&command.input)?;
     let (mesh, dropped) = file.polygon_mesh()?;
-    let assessment = yardstick.judge(&mesh);
-    let limits = &yardstick.limits;
+    let assessment = criteria.judge(&mesh);
+    let limits = &criteria.limits;
     let mut table = summary::of_assessment(&assessment, limits, command.talk.verbose);
-    let facets = yardstick.facets.as_ref();
+    let facets = criteria.facets.as_ref();
     let indicatrix = facets.map(|surface| indicatrix(&mesh, surface));
     if let Some(metric) = indicatrix.as_ref().filter(|m| m.all.count > 0) {
         table += &inscribed(metric);
     }
-    let mut report = yardstick.report(assessment, "check");
+    let mut report = criteria.report(assessment, "check");
     table += &summary::of_features(&mut report, &mesh, facets);
     table += &summary::of_verdict(report.verdict);
     tell(command.talk.quiet || command.json, &table)?;
@@ -59,7 +59,7 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
         report.notes.push(note);
     }
     report.inputs = std::iter::once(file.record)
-        .chain(yardstick.records.iter().cloned())
+        .chain(criteria.records.iter().cloned())
         .collect();
     let shown = Shown {
         surface: facets,

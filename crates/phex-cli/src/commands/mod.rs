@@ -2,6 +2,7 @@
 
 mod check;
 mod convert;
+mod criteria;
 mod deliver;
 mod doctor;
 mod dual;
@@ -24,7 +25,6 @@ mod studio;
 mod subdivide;
 mod sweep;
 mod terms;
-mod yardstick;
 
 use crate::args::Command;
 use crate::exit::{Exit, Failure};

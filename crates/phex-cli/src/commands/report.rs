@@ -1,7 +1,7 @@
 //! `phex report`: the report of a mesh as one HTML file.
 
+use super::criteria::Criteria;
 use super::tell;
-use super::yardstick::Yardstick;
 use crate::exit::{Exit, Failure};
 use crate::html::{self, Shown};
 use crate::output::{check_writable, given};
@@ -22,17 +22,17 @@ pub fn run(command: &ReportCommand) -> Result<Exit, Failure> {
     command.judged_by.check()?;
     check_writable(&[(&command.html, Content::Other)], &inputs)?;
     let file = MeshFile::read(&command.input)?;
-    let yardstick = Yardstick::read(&command.judged_by)?;
+    let criteria = Criteria::read(&command.judged_by)?;
     let before = command.before.as_deref().map(MeshFile::read).transpose()?;
     if let Some(before) = &before {
         before.polygon_mesh()?;
     }
     let (mesh, _) = file.polygon_mesh()?;
-    let facets = yardstick.facets.as_ref();
-    let assessment = yardstick.judge(&mesh);
-    let mut report = yardstick.report(assessment.clone(), "report");
+    let facets = criteria.facets.as_ref();
+    let assessment = criteria.judge(&mesh);
+    let mut report = criteria.report(assessment.clone(), "report");
     let start = before.as_ref().map(|file| file.soup.clone());
-    let surfaces = yardstick.records.iter().cloned();
+    let surfaces = criteria.records.iter().cloned();
     let before = before.map(|file| file.record);
     report.inputs = std::iter::once(file.record)
         .chain(surfaces)
@@ -46,7 +46,7 @@ pub fn run(command: &ReportCommand) -> Result<Exit, Failure> {
     };
     let features = summary::of_features(&mut report, &mesh, facets);
     html::write(&command.html, &shown, &report)?;
-    let table = summary::of_assessment(&assessment, &yardstick.limits, command.talk.verbose);
+    let table = summary::of_assessment(&assessment, &criteria.limits, command.talk.verbose);
     let end = summary::of_files(&report) + &summary::of_verdict(report.verdict);
     tell(command.talk.quiet, &(table + &features + &end))?;
     Ok(Exit::of_check(report.verdict == Verdict::Pass))

@@ -2,7 +2,7 @@
 
 use crate::exit::Failure;
 use crate::promise::Promise;
-use crate::shared_arguments::YardstickArguments;
+use crate::shared_arguments::CriteriaArguments;
 use crate::verdict::or_promised;
 use phex::quality::{Assessment, Omitted, Reason};
 use phex::report::{InputFile, RunReport};
@@ -11,7 +11,7 @@ use phex_mesh::{HexMesh, TriangleSurface};
 use serde_json::json;
 
 /// Limits, and the surfaces that a mesh stands for.
-pub(super) struct Yardstick {
+pub(super) struct Criteria {
     pub limits: TypedLimits,
     pub facets: Option<TriangleSurface>,
     smooth: Option<TriangleSurface>,
@@ -21,9 +21,9 @@ pub(super) struct Yardstick {
     pub records: Vec<InputFile>,
 }
 
-impl Yardstick {
+impl Criteria {
     /// What is typed, and where nothing is what a job or an earlier run promised.
-    pub fn read(arguments: &YardstickArguments) -> Result<Self, Failure> {
+    pub fn read(arguments: &CriteriaArguments) -> Result<Self, Failure> {
         let promise = arguments.report_of.as_deref().map(Promise::read);
         let promise = promise.transpose()?;
         let promised = match &arguments.limits {
