@@ -111,6 +111,9 @@ impl Merit {
     /// The same before a search, which cures what is broken like what is outside limits, and not
     /// what is `uneven`.
     pub(crate) fn before_search(self, uneven: f64) -> Self {
+        if self.is_within() {
+            return self;
+        }
         Self {
             invalid: 0.0,
             outside: self.invalid + self.outside + uneven,
