@@ -45,7 +45,7 @@ const MORE: usize = 4;
 /// Times that edges are halved at the most.
 const ROUNDS: usize = 12;
 /// Largest area of a plane face at a vertex, over the least one there, from which on areas count.
-const UNLIKE: f64 = 4.0;
+const UNLIKE: f64 = 2.0;
 /// Cosine of the angle between triangles of one plane face: single precision turns slivers by less.
 const IN_ONE_PLANE: f64 = 1.0 - 2e-6;
 /// Turn of the boundary, degrees, from which on a vertex is a corner.
@@ -108,10 +108,10 @@ pub(crate) fn cut_short(
     })
 }
 
-/// The surface with normals for which, where large plane faces meet small ones, each triangle counts
-/// by its angle at the vertex and by the area of the plane face that it is a part of: where a fillet
-/// runs into a plane face the normal is that of the plane, which would bulge over all of its length
-/// otherwise.
+/// The surface with normals for which, where large plane faces meet small ones, each triangle
+/// counts by its angle at the vertex and by the area of the plane face that it is a part of: where
+/// a fillet runs into a plane face the normal is that of the plane, which would bulge over all of
+/// its length otherwise.
 fn with_flat_normals(surface: TriangleSurface) -> TriangleSurface {
     let topology = surface.topology();
     let area = areas_of_plane_faces(&surface);
