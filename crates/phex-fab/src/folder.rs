@@ -3,7 +3,7 @@
 //! | file | what it holds |
 //! |---|---|
 //! | `sheets/sheet-01.dxf`, `.svg` | panels to cut, one sheet a file ([`drawing`](crate::drawing)) |
-//! | `panels.csv`, `edges.csv`, `nodes.csv`, `cut_list.csv`, `groups.csv` | tables ([`schedule`](crate::schedule)) |
+//! | `panels.csv`, `edges.csv`, `nodes.csv`, `cut_list.csv`, `groups.csv` | tables ([`schedule`]) |
 //! | `schedules.xlsx` | the same tables |
 //! | `solids.obj`, `solids.stl` | thick panels in place, model units; an object for each panel in OBJ |
 //! | `plates.dxf` | the same in mm, as all DXF here: closed 3D polylines on the layers `TOP` and `BOTTOM`, with the same number of points |
