@@ -10,7 +10,7 @@ from phex._options import MESH
 
 #: Kinds of keywords by the name of the value in the help.
 KINDS = {
-    "N": {"count"},
+    "N": {"count", "size"},
     "SEED": {"count"},
     "THREADS": {"count"},
     "LENGTH": {"length"},
