@@ -16,6 +16,9 @@ use parry3d_f64::shape::{TriMesh, TrianglePointLocation};
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
 
+/// Barycentric coordinate up to which a point is on the opposite edge of its triangle.
+const ON_EDGE: f64 = 1e-9;
+
 /// An oriented manifold triangle mesh with closest-point queries. It never changes: clones share
 /// what they hold.
 #[derive(Clone)]
@@ -194,6 +197,26 @@ impl TriangleSurface {
     pub fn area_vector(&self, f: FaceId) -> Vec3 {
         let [a, b, c] = self.corners(f);
         (b - a).cross(&(c - a))
+    }
+
+    /// The triangles that hold a point: one, or those at the edge or the vertex that it is on.
+    pub fn triangles_at(&self, point: &SurfacePoint) -> Vec<FaceId> {
+        let corners = self.topology.face_vertices(point.triangle);
+        let weights = corners.iter().zip(point.barycentric);
+        let held: Vec<VertexId> = weights
+            .filter(|(_, weight)| *weight > ON_EDGE)
+            .map(|(v, _)| *v)
+            .collect();
+        match held[..] {
+            [first, _] | [first] => {
+                let is_held = |f: &FaceId| {
+                    let corners = self.topology.face_vertices(*f);
+                    held.iter().all(|v| corners.contains(v))
+                };
+                self.topology.faces_at(first).filter(is_held).collect()
+            }
+            _ => vec![point.triangle],
+        }
     }
 
     /// Area of a triangle.

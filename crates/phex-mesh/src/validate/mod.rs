@@ -14,7 +14,9 @@ mod violation;
 pub use violation::{FlipReference, Violation};
 
 use crate::polygon::{interior_angles, is_simple, sides};
-use crate::{EdgeId, FaceId, FlatFace, HexMesh, PerFace, TriangleSurface, Vec3, VertexId};
+use crate::{
+    EdgeId, FaceId, FlatFace, HexMesh, PerFace, SurfacePoint, TriangleSurface, Vec3, VertexId,
+};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::fmt;
@@ -381,23 +383,28 @@ impl<'a> Inspection<'a> {
     fn against_surface(&self, surface: &TriangleSurface, below: Below) -> PerFace<bool> {
         let centres: Vec<Vec3> = self.faces.iter().map(|f| f.plane.centre).collect();
         let feet = surface.closest_points(&centres);
-        let normals = feet
-            .iter()
-            .map(|p| [surface.area_vector(p.triangle), p.normal]);
-        let cosines: Vec<[f64; 2]> = (self.faces.iter().zip(normals))
-            .map(|(f, normals)| normals.map(|n| f.normal().dot(&n)))
-            .collect();
-        let against = cosines.iter().filter(|c| c[0] < 0.0).count();
-        let sign = match 2 * against > cosines.len() {
+        let pairs = || self.faces.iter().zip(&feet);
+        let is_turned = |(f, p): (&FlatFace, &SurfacePoint)| {
+            f.normal().dot(&surface.area_vector(p.triangle)) < 0.0
+        };
+        let turned = pairs().filter(|pair| is_turned(*pair)).count();
+        let sign = match 2 * turned > self.faces.len() {
             true => -1.0,
             false => 1.0,
         };
-        let counted = match below {
-            Below::Triangle => 1,
-            Below::Surface => 2,
+        let is_against = |(f, p): (&FlatFace, &SurfacePoint)| {
+            let normal = f.normal() * sign;
+            let of_triangle = || {
+                let mut nearest = surface.triangles_at(p).into_iter();
+                nearest.any(|t| normal.dot(&surface.area_vector(t)) < 0.0)
+            };
+            let of_surface = || match below {
+                Below::Triangle => true,
+                Below::Surface => normal.dot(&p.normal) < 0.0,
+            };
+            of_surface() && of_triangle()
         };
-        let is_against = |c: &[f64; 2]| c[..counted].iter().all(|c| sign * c < 0.0);
-        PerFace::from_vec(cosines.iter().map(is_against).collect())
+        PerFace::from_vec(pairs().map(is_against).collect())
     }
 
     fn fold(&self, edge: EdgeId) -> Option<Violation> {
@@ -411,7 +418,8 @@ impl<'a> Inspection<'a> {
 /// What the normal of a face is compared with.
 #[derive(Clone, Copy)]
 enum Below {
-    /// The triangle below its centre.
+    /// The triangle below its centre: each of them where that is over an edge or a vertex, so that
+    /// rounding does not decide over a face above the ridge of a pleat.
     Triangle,
     /// That, and the normal that is interpolated from its vertices: needles of a smooth surface may
     /// have any normal by themselves.

@@ -537,3 +537,25 @@ proptest! {
         prop_assert_eq!(check(&mesh).is_empty(), damage == 0);
     }
 }
+
+#[test]
+fn a_face_above_the_ridge_of_a_pleat_is_against_the_surface_on_either_side_of_it() {
+    // A sheet that is folded back below itself along x = 1. The last of three faces has its middle
+    // beyond the ridge, where both sheets are equally near.
+    let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let mut places = corners.map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec();
+    places.push(Vec3::new(0.5, 0.5, -0.1));
+    let row = |x: f64| [Vec3::new(x, 0.2, 0.0), Vec3::new(x, 0.8, 0.0)];
+    let positions = [0.1, 0.4, 0.7, 1.5].into_iter().flat_map(row).collect();
+    let faces = [[0, 2, 3, 1], [2, 4, 5, 3], [4, 6, 7, 5]];
+    let mesh = HexMesh::new(positions, &faces).unwrap();
+    for triangles in [
+        [[0, 1, 2], [0, 2, 3], [2, 1, 4]],
+        [[2, 1, 4], [0, 1, 2], [0, 2, 3]],
+    ] {
+        let pleat = TriangleSurface::new(places.clone(), &triangles).unwrap();
+        let mut found = Vec::new();
+        add_flips(&mut found, &mesh, &pleat);
+        assert_eq!(faces_of(&mesh, &found, "flipped_face"), [FaceId::new(2)]);
+    }
+}
