@@ -47,7 +47,7 @@ pub(super) fn repeated(
     };
     let task = RepetitionTask {
         site: &site,
-        merit: &|mesh| site.judged(mesh).merit,
+        merit: &|mesh| judge.with_cover(site.judged(mesh).merit, mesh),
         target: close_to,
         quotient: &Quotient::default(),
         steering: &options.steering,

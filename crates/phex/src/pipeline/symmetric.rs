@@ -501,7 +501,7 @@ impl<'a> DomainPanels<'a> {
         let merit = |mesh: &HexMesh| match symmetry::unfolded(&quotient, mesh, &elements) {
             Ok(all) => {
                 let any = vec![0.0; all.mesh.topology().n_faces()];
-                judge.whole(&all.mesh, &any).merit
+                judge.with_cover(judge.whole(&all.mesh, &any).merit, &all.mesh)
             }
             Err(_) => Merit {
                 invalid: f64::INFINITY,

@@ -6,7 +6,7 @@ use super::merit::Merit;
 use super::{Limits, References, USUAL_DEVIATION};
 use phex_mesh::measure::{
     LEAST_RIM_AREA, WANTED_ANGLE, WANTED_LENGTH, WANTED_RIM_AREA, WANTED_RIM_ASPECT, aspect,
-    points_on_boundary, wanted_clearance,
+    boundary_fit, points_on_boundary, wanted_clearance,
 };
 use phex_mesh::polygon::{interior_angles, sides};
 use phex_mesh::validate::{ValidateOptions, Violation, add_flips, violations};
@@ -251,6 +251,23 @@ impl<'a> Judge<'a> {
             merit: Merit::of(counted, yardstick.panels),
             of_face,
             closest,
+        }
+    }
+
+    /// The merit of a whole mesh, and by how much it covers less of the surface than it is to,
+    /// which no single panel lacks.
+    pub(crate) fn with_cover(&self, merit: Merit, mesh: &HexMesh) -> Merit {
+        let limit = self
+            .limits
+            .covered
+            .filter(|_| self.references.elsewhere.is_empty());
+        let lacks = |limit: f64| {
+            let fit = boundary_fit(mesh, self.surface)?;
+            Some((1.0 - fit.covered_area / limit).max(0.0_f64))
+        };
+        Merit {
+            outside: merit.outside + limit.and_then(lacks).unwrap_or(0.0),
+            ..merit
         }
     }
 

@@ -24,7 +24,8 @@
 //! and whole panels would need three times as many: they are counted, and become equal only where
 //! symmetry makes them so.
 //!
-//! *Guaranteed*: no more is invalid or outside a limit than before, planarity is what it was, and
+//! *Guaranteed*: no more is invalid or outside a limit than before (the share of the surface that
+//! is covered among them), planarity is what it was, and
 //! there are no more distinct lengths; where nothing can be had the mesh is the same to the last
 //! bit. The same result for any number of threads.
 //!
@@ -90,6 +91,7 @@ impl RepetitionTask<'_> {
         let before = (self.merit)(&mesh);
         let mut best = mesh.clone();
         let (mut few, mut many) = (0, distinct_lengths(&mesh, self.tolerance));
+        let (mut is_same, mut any_fewer) = (true, false);
         for done in 0..TRIALS {
             let wanted = (few + many) / 2;
             if wanted == few || progress.is_cancelled() {
@@ -100,41 +102,65 @@ impl RepetitionTask<'_> {
                 done,
                 total: TRIALS,
             });
-            let Some(next) = self.drawn(&mut stage, &best, wanted, progress)? else {
+            let Some(steps) = self.drawn(&mut stage, &best, wanted, progress)? else {
                 break;
             };
-            let found = distinct_lengths(&next, self.tolerance);
-            let is_better = found < many && (self.merit)(&next).is_no_worse(&before);
-            if is_better {
-                (best, many) = (next, found);
-            }
-            if !is_better || found as f64 > NEARLY * wanted as f64 {
+            let counted = steps
+                .into_iter()
+                .map(|m| (distinct_lengths(&m, self.tolerance), m));
+            let mut fewer: Vec<(usize, HexMesh)> = counted.filter(|(n, _)| *n < many).collect();
+            fewer.sort_by_key(|(n, _)| *n);
+            any_fewer |= !fewer.is_empty();
+            let found = fewer
+                .into_iter()
+                .find(|(_, m)| (self.merit)(m).is_no_worse(&before));
+            let is_near = |n: usize| n as f64 <= NEARLY * wanted as f64;
+            if !found.as_ref().is_some_and(|(n, _)| is_near(*n)) {
                 few = wanted;
             }
+            if let Some((n, mesh)) = found {
+                (best, many, is_same) = (mesh, n, false);
+            }
+        }
+        if is_same && !progress.is_cancelled() {
+            let message = match any_fewer {
+                true => {
+                    "edges are left as they are: with fewer different lengths more would be invalid or outside a limit"
+                }
+                false => {
+                    "edges are left as they are: no fewer different lengths were found within this tolerance"
+                }
+            };
+            progress.report(&Event::Note {
+                message: message.to_owned(),
+            });
         }
         Ok(best)
     }
 
-    /// The mesh with its edges in so many clusters, as nearly as that can be.
+    /// The mesh with its edges drawn to so many clusters, with growing weights, the last one with
+    /// its edges as near to them as can be.
     fn drawn(
         &self,
         stage: &mut LengthStage<'_>,
         from: &HexMesh,
         clusters: usize,
         progress: &dyn Progress,
-    ) -> Result<Option<HexMesh>, OptimiseError> {
+    ) -> Result<Option<Vec<HexMesh>>, OptimiseError> {
         let mut shared = SharedLengths::new(&lengths(from), clusters);
         let mut now = from.clone();
+        let mut steps = Vec::new();
         for weight in WEIGHTS {
             let Some(next) = stage.drawn(&now, &shared.targets(&now), weight, progress)? else {
                 return Ok(None);
             };
             now = next;
+            steps.push(now.clone());
             shared.settle(&lengths(&now));
             if progress.is_cancelled() || shared.spread(&now) <= 0.5 * self.tolerance {
                 break;
             }
         }
-        Ok(Some(now))
+        Ok(Some(steps))
     }
 }

@@ -6,6 +6,7 @@
 
 use super::on_boundary::already_there;
 use super::wishes;
+use crate::optimise::holds::Anchored;
 use crate::optimise::panels::{FaceShapes, unknowns};
 use crate::optimise::solver::path::Path;
 use crate::optimise::solver::solvers::Solvers;
@@ -93,6 +94,15 @@ impl<'a> LengthStage<'a> {
             let mut rim = already_there(mesh, hold);
             rim.retain(|v, _| kept.quotient.is_free(*v));
             stage.holds.keep_rim(&rim, &hold.curves);
+        }
+        // What nothing draws to the boundary, and fairness draws away from it, stays near.
+        for v in mesh.topology().vertices() {
+            let (number, point) = (v.index() as u32, mesh.position(v));
+            let is_free = kept.quotient.is_free(number) && !stage.holds.held.contains_key(&number);
+            if is_free && mesh.topology().is_boundary_vertex(v) {
+                let anchor = Anchored { point, weight: 1.0 };
+                stage.holds.anchors.entry(number).or_insert(anchor);
+            }
         }
         Ok(Self {
             mesh,
