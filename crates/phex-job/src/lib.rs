@@ -20,6 +20,7 @@
 //! pool that it is called in.
 
 mod command_line;
+mod crumbs;
 mod deadline;
 mod effects;
 mod engine;
@@ -51,6 +52,7 @@ mod whole_run;
 mod wishes;
 
 pub use command_line::{options_of, quoted};
+pub use crumbs::without_crumbs;
 pub use deadline::{TimeLimit, time_limit};
 pub use engine::{Computed, Planarization, network, planarize, subdivide};
 pub use error::{JobError, chain};

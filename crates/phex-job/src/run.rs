@@ -1,5 +1,6 @@
 //! One job: from a surface and what is wanted of it to a mesh and its report.
 
+use crate::crumbs::{crumbs, left_out};
 use crate::deadline::{TimeLimit, Timed};
 use crate::engine::{self, Computed};
 use crate::error::JobError;
@@ -542,10 +543,6 @@ struct WantedPart<'a> {
     kept: &'a Session,
 }
 
-/// Area of a part over that of the largest one below which it is a crumb, as scans and level sets
-/// leave them behind.
-const CRUMB: f64 = 1e-3;
-
 /// The parts that are covered, and what is said of crumbs that are not.
 fn wanted_parts(job: &MeshJob) -> Result<(Vec<WantedPart<'_>>, Option<String>), JobError> {
     let parts = job.parts.components.iter().zip(job.kept.iter());
@@ -554,9 +551,10 @@ fn wanted_parts(job: &MeshJob) -> Result<(Vec<WantedPart<'_>>, Option<String>), 
     if job.settings.all_components {
         return Ok((parts, None));
     }
-    let area = |part: &WantedPart<'_>| part.component.surface.area();
-    let least = CRUMB * parts.iter().map(area).fold(0.0, f64::max);
-    let (wanted, crumbs): (Vec<_>, Vec<_>) = parts.into_iter().partition(|p| area(p) >= least);
+    let areas: Vec<f64> = (parts.iter().map(|part| part.component.surface.area())).collect();
+    let mut is_crumb = crumbs(&areas).into_iter();
+    let (crumbs, wanted): (Vec<_>, Vec<_>) =
+        (parts.into_iter()).partition(|_| is_crumb.next().unwrap_or(false));
     let triangles = |part: &WantedPart<'_>| part.component.surface.topology().n_faces();
     if wanted.len() > 1 {
         let sizes: Vec<String> = wanted
@@ -576,14 +574,8 @@ fn wanted_parts(job: &MeshJob) -> Result<(Vec<WantedPart<'_>>, Option<String>), 
             sizes.join(", ")
         )));
     }
-    let said = (!crumbs.is_empty()).then(|| {
-        format!(
-            "parts with less than a thousandth of the area of the largest one were left out \
-             (parts: {}, their triangles: {}); --all-components keeps them",
-            crumbs.len(),
-            crumbs.iter().map(triangles).sum::<usize>()
-        )
-    });
+    let said = left_out(crumbs.len(), crumbs.iter().map(triangles).sum());
+    let said = said.map(|said| format!("{said}; --all-components keeps them"));
     Ok((wanted, said))
 }
 

@@ -13,7 +13,7 @@ use phex_html::{SheetKind, contact_file};
 use phex_job::{
     AtBoundary, Content, Given, JobError, JobResult, LastStage, MeshFile, MeshJob, MeshSettings,
     OutputPaths, Planarization, Quantity, SteeringSettings, TimeLimit, TypedLimits, Unit, WayShown,
-    chain, time_limit, ways,
+    chain, time_limit, ways, without_crumbs,
 };
 use phex_mesh::{EdgeId, HexMesh, LARGEST_COORDINATE, TriangleSurface};
 use phex_picture::ContactTile;
@@ -458,10 +458,12 @@ pub fn checked(
     };
     let mesh = inputs.panels()?;
     let facets = there(1).map(MeshFile::surface).transpose()?;
+    let (facets, left_out) = facets.map(|all| without_crumbs(all, &mesh)).unzip();
     let smooth = there(2).map(MeshFile::surface).transpose()?;
     let limits = request.limits(facets.is_some())?;
     let assessment = limits.judge_finished(&mesh, smooth.as_ref(), facets.as_ref());
     let mut report = report_of("check", assessment, &limits, &inputs);
+    report.notes.extend(left_out.flatten());
     phex_job::add_features(&mut report, &mesh, facets.as_ref());
     if let Some(copied) = request.copied {
         copied.take_up(&mut report)?;

@@ -33,9 +33,9 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
     let bundle = command.bundle.as_deref().map(|p| (p, Content::Other));
     let outputs: Vec<_> = command.extras.outputs().chain(bundle).collect();
     check_writable(&outputs, &inputs)?;
-    let criteria = Criteria::read(&command.judged_by)?;
     let file = MeshFile::read(&command.input)?;
     let (mesh, dropped) = file.polygon_mesh()?;
+    let criteria = Criteria::read(&command.judged_by, &mesh)?;
     let assessment = criteria.judge(&mesh);
     let limits = &criteria.limits;
     let mut table = summary::of_assessment(&assessment, limits, command.talk.verbose);
@@ -45,6 +45,8 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
         table += &inscribed(metric);
     }
     let mut report = criteria.report(assessment, "check");
+    let reporter = Reporter::new(&command.talk);
+    report.notes.iter().for_each(|note| reporter.note(note));
     table += &summary::of_features(&mut report, &mesh, facets);
     table += &summary::of_verdict(report.verdict);
     tell(command.talk.quiet || command.json, &table)?;

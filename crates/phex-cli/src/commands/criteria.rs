@@ -6,7 +6,7 @@ use crate::shared_arguments::CriteriaArguments;
 use crate::verdict::or_promised;
 use phex::quality::{Assessment, Omitted, Reason};
 use phex::report::{InputFile, RunReport};
-use phex_job::{MeshFile, TypedLimits};
+use phex_job::{MeshFile, TypedLimits, without_crumbs};
 use phex_mesh::{HexMesh, TriangleSurface};
 use serde_json::json;
 
@@ -14,6 +14,8 @@ use serde_json::json;
 pub(super) struct Criteria {
     pub limits: TypedLimits,
     pub facets: Option<TriangleSurface>,
+    /// What is said of crumbs of the facets that the mesh does not stand for.
+    left_out: Option<String>,
     smooth: Option<TriangleSurface>,
     /// Whether the run that made the mesh knew a smooth surface.
     had_smooth: bool,
@@ -22,8 +24,9 @@ pub(super) struct Criteria {
 }
 
 impl Criteria {
-    /// What is typed, and where nothing is what a job or an earlier run promised.
-    pub fn read(arguments: &CriteriaArguments) -> Result<Self, Failure> {
+    /// What is typed, and where nothing is what a job or an earlier run promised; of the facets
+    /// what the mesh stands for.
+    pub fn read(arguments: &CriteriaArguments, mesh: &HexMesh) -> Result<Self, Failure> {
         let promise = arguments.report_of.as_deref().map(Promise::read);
         let promise = promise.transpose()?;
         let promised = match &arguments.limits {
@@ -40,9 +43,12 @@ impl Criteria {
             let file = file.as_ref();
             Ok(file.map(|f| f.surface()).transpose()?)
         };
+        let covered = surface(&facets)?.map(|all| without_crumbs(all, mesh));
+        let (covered, left_out) = covered.unzip();
         Ok(Self {
             limits: or_promised(&arguments.tolerances, boundary, promised),
-            facets: surface(&facets)?,
+            facets: covered,
+            left_out: left_out.flatten(),
             smooth: surface(&smooth)?,
             had_smooth: promise.is_some_and(|p| p.has_smooth()),
             records: [facets, smooth]
@@ -75,6 +81,7 @@ impl Criteria {
             "unit": limits.unit,
             "limits": limits.panels,
         });
+        report.notes.extend(self.left_out.clone());
         report
     }
 }

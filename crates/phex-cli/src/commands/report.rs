@@ -6,6 +6,7 @@ use crate::exit::{Exit, Failure};
 use crate::html::{self, Shown};
 use crate::output::{check_writable, given};
 use crate::picture_arguments::ReportCommand;
+use crate::progress::Reporter;
 use crate::summary;
 use crate::verdict::written;
 use phex::quality::Verdict;
@@ -22,15 +23,17 @@ pub fn run(command: &ReportCommand) -> Result<Exit, Failure> {
     command.judged_by.check()?;
     check_writable(&[(&command.html, Content::Other)], &inputs)?;
     let file = MeshFile::read(&command.input)?;
-    let criteria = Criteria::read(&command.judged_by)?;
     let before = command.before.as_deref().map(MeshFile::read).transpose()?;
     if let Some(before) = &before {
         before.polygon_mesh()?;
     }
     let (mesh, _) = file.polygon_mesh()?;
+    let criteria = Criteria::read(&command.judged_by, &mesh)?;
     let facets = criteria.facets.as_ref();
     let assessment = criteria.judge(&mesh);
     let mut report = criteria.report(assessment.clone(), "report");
+    let reporter = Reporter::new(&command.talk);
+    report.notes.iter().for_each(|note| reporter.note(note));
     let start = before.as_ref().map(|file| file.soup.clone());
     let surfaces = criteria.records.iter().cloned();
     let before = before.map(|file| file.record);
