@@ -2,6 +2,7 @@
 //! diffusion-projection polish).
 
 use super::boundary::BoundaryFrame;
+use super::cones::FAR_REACH;
 use super::intrinsic::IntrinsicMesh;
 use super::{DirectionOptions, boundary, mirrors};
 use crate::curvature::Principal;
@@ -80,7 +81,10 @@ pub(crate) fn field(
     let smooth = Cholesky::again(factor.take(), &stiffness(1.0, 0.0)?, 1)?;
     let mut u = source.clone();
     smooth.precondition(&source, &mut u);
-    let meeting = classes_at_axes(topology, mesh, &u, &mirrored);
+    let is_calm = options.cancel_reach.is_some_and(|reach| reach >= FAR_REACH);
+    let classes = is_calm.then(|| classes_of_sides(topology, mesh, &u, &mirrored));
+    let at_axes = || classes_at_axes(topology, mesh, &u, &mirrored);
+    let meeting = classes.flatten().unwrap_or_else(at_axes);
     draw_to_mirrors(&mut source, &u, &mirrored, &meeting);
     *factor = Some(smooth);
     let wishes = (&free[..], &mut source[..]);
@@ -211,6 +215,76 @@ fn classes_at_axes(
         }
     }
     classes
+}
+
+/// Sides of the surface in mirror planes up to which all ways of rows along them are compared.
+const MOST_SIDES: usize = 10;
+
+/// One way of rows for each whole side in a mirror plane, 1 along it, -1 at right angles to it:
+/// where it changes there is a cone in the plane. Of all ways that one is taken that closes the
+/// panels where most planes meet, and of these the one nearest to a field. `None` where there are
+/// many sides.
+fn classes_of_sides(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    field: &[Complex<f64>],
+    mirrored: &PerVertex<Option<BoundaryFrame>>,
+) -> Option<BTreeMap<VertexId, f64>> {
+    let (mut sides, mut meetings) = (Vec::<Vec<VertexId>>::new(), Vec::new());
+    for mut rim in topology.boundary_loops() {
+        let end = rim.iter().position(|v| mirrored[*v].is_none());
+        rim.rotate_left(end.unwrap_or(0));
+        let first = sides.len();
+        let runs = rim.split(|v| mirrored[*v].is_none());
+        sides.extend(runs.filter(|run| !run.is_empty()).map(<[_]>::to_vec));
+        let of_rim = sides.len() - first;
+        let count_of = |side: &Vec<VertexId>| {
+            let [out, _] = boundary::boundary_half_edges(topology, *side.last()?);
+            Some(mesh.multiplicity[topology.target(out)]).filter(|count| *count > 2)
+        };
+        for k in 0..of_rim {
+            let next = first + (k + 1) % of_rim;
+            let count = count_of(&sides[first + k]);
+            meetings.extend(count.map(|count| (first + k, next, count)));
+        }
+    }
+    if sides.is_empty() || sides.len() > MOST_SIDES {
+        return None;
+    }
+    let along = |w: &VertexId| {
+        let along = |f: BoundaryFrame| f.length * (field[w.index()].conj() * f.alignment).re;
+        mirrored[*w].map_or(0.0, along)
+    };
+    let sums: Vec<f64> = sides
+        .iter()
+        .map(|side| side.iter().map(along).sum())
+        .collect();
+    let class = |ways: usize, side: usize| if ways >> side & 1 == 0 { 1.0 } else { -1.0 };
+    let open = |ways: usize| {
+        let is_open = |(a, b, count): &&(usize, usize, u32)| {
+            let is_odd = mirrors::twelfths_between(*count) % 2.0 == 1.0;
+            (class(ways, *a) != class(ways, *b)) != is_odd
+        };
+        meetings.iter().filter(is_open).count()
+    };
+    let nearness = |ways: usize| -> f64 {
+        sums.iter()
+            .enumerate()
+            .map(|(side, sum)| class(ways, side) * sum)
+            .sum()
+    };
+    let best = (0..1_usize << sides.len()).min_by(|a, b| {
+        let nearer = || nearness(*b).total_cmp(&nearness(*a));
+        open(*a).cmp(&open(*b)).then_with(nearer)
+    })?;
+    let of_side = |(side, vertices): (usize, &Vec<VertexId>)| {
+        let class = class(best, side);
+        vertices
+            .iter()
+            .map(move |v| (*v, class))
+            .collect::<Vec<_>>()
+    };
+    Some(sides.iter().enumerate().flat_map(of_side).collect())
 }
 
 /// Vertices of the boundary on one side of `v`, up to [`AT_AXIS`] from it.

@@ -27,10 +27,17 @@ use crate::trim::Boundary;
 use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, PerFace, TriangleSurface, Vec3};
 use phex_numeric::Outcome;
+use std::cmp::Ordering;
 
 /// Numbers of panels, over the one that is asked for, that are tried until panels are within
-/// limits: it is chance whether every cell at a mirror plane is large enough to be a panel.
+/// limits: it is chance whether every cell at a mirror plane is large enough to be a panel, and how
+/// many are irregular.
 const OTHER_COUNTS: [f64; 4] = [1.04, 0.96, 1.08, 0.92];
+/// Numbers that are tried at the most where the first is within limits; half as many as there are
+/// images, since a try costs less the more there are.
+const ENOUGH: u32 = 4;
+/// Error of the number of panels, as a logarithm, up to which others alone count.
+const MISCOUNT: f64 = 0.12;
 
 /// A symmetric mesh of a normalised surface; `None` where there is no group to use, or panels
 /// can't follow it, which is said.
@@ -80,14 +87,14 @@ fn symmetric(
         ..References::default()
     };
     let judge = Judge::new(whole, references, options.limits());
-    let tried = |(group, share): (Group, f64)| {
+    let made = |group: Group, share: f64| {
         let panels = (share * panels as f64).round() as usize;
         let domain = DomainPanels::new(whole, &found, group, panels, options)?;
         let run = domain.mesh(clock)?;
         Ok((judge.whole(&run.mesh, run.wished.as_slice()).merit, run))
     };
     let names = names_of(&groups);
-    let (merit, mut run) = match best_of(&ways_of(&groups), tried, progress) {
+    let (merit, mut run) = match best_of(&groups, panels, made, progress) {
         Err(NotSymmetric::Symmetry(reason)) => {
             return Err(format!("with the symmetry {names}: {reason}").into());
         }
@@ -112,13 +119,6 @@ fn smooth_target(surface: &TriangleSurface, panels: usize, options: &MeshOptions
     let near = cut.as_ref().map_or(surface, |c| &c.surface);
     let vertices = options.cell_vertices(panels) as usize;
     smooth_surface::smooth_target(near, vertices, &options.target)
-}
-
-/// Groups with shares of the number of panels, in the order in which they are tried.
-fn ways_of(groups: &[Group]) -> Vec<(Group, f64)> {
-    let counts = || std::iter::once(1.0).chain(OTHER_COUNTS);
-    let of_group = |group: &Group| counts().map(|share| (*group, share)).collect::<Vec<_>>();
-    groups.iter().flat_map(of_group).collect()
 }
 
 /// What is said of a surface without mirror planes that has a rotation of an order, or none.
@@ -171,29 +171,74 @@ pub(super) fn unused(ground: &Ground) -> Option<String> {
 /// A symmetric mesh and what the judge says of it.
 type SymmetricAttempt = Result<(Merit, MeshRun), NotSymmetric>;
 
-/// The best mesh that groups and numbers of panels, over the one that is asked for, lead to, one
-/// after the other until panels are within limits.
+/// The best mesh that groups lead to, one after the other until panels are within limits; `made`
+/// makes one for a group and a number of panels over the one that is asked for.
 fn best_of(
-    ways: &[(Group, f64)],
-    mut tried: impl FnMut((Group, f64)) -> SymmetricAttempt,
+    groups: &[Group],
+    panels: usize,
+    mut made: impl FnMut(Group, f64) -> SymmetricAttempt,
     progress: &dyn Progress,
 ) -> SymmetricAttempt {
-    let mut made = tried(ways[0]);
-    for way in &ways[1..] {
-        let is_over = matches!(made, Err(NotSymmetric::Pipeline(_))) || progress.is_cancelled();
-        if is_over || matches!(&made, Ok((merit, _)) if merit.is_within()) {
+    let mut best = best_count(groups[0], panels, &mut made, progress);
+    for group in &groups[1..] {
+        let is_over = matches!(best, Err(NotSymmetric::Pipeline(_))) || progress.is_cancelled();
+        if is_over || matches!(&best, Ok((merit, _)) if merit.is_within()) {
             break;
         }
-        let next = tried(*way);
-        let is_better = match (&made, &next) {
+        let next = best_count(*group, panels, &mut made, progress);
+        let is_better = match (&best, &next) {
             (Ok((first, _)), Ok((second, _))) => second.is_better(first),
             _ => next.is_ok(),
         };
         if is_better {
-            made = next;
+            best = next;
         }
     }
-    made
+    best
+}
+
+/// The best mesh of a group, of numbers of panels near to the one that is asked for.
+fn best_count(
+    group: Group,
+    panels: usize,
+    mut made: impl FnMut(Group, f64) -> SymmetricAttempt,
+    progress: &dyn Progress,
+) -> SymmetricAttempt {
+    let miss = |run: &MeshRun| (run.mesh.topology().n_faces() as f64 / panels as f64).ln();
+    let is_counted = |run: &MeshRun| miss(run).abs() <= MISCOUNT;
+    let enough = (group.order() / 2).clamp(1, ENOUGH) as usize;
+    // Panels in the planes count once: how many lie there is not known before.
+    let mut excess: Vec<f64> = Vec::new();
+    let mut best = made(group, 1.0);
+    excess.extend(best.as_ref().ok().map(|(_, run)| miss(run)));
+    for (done, count) in (1..).zip(OTHER_COUNTS) {
+        let is_over = matches!(best, Err(NotSymmetric::Pipeline(_))) || progress.is_cancelled();
+        let is_enough = |(merit, run): &(Merit, MeshRun)| {
+            let is_regular = phex_mesh::irregular_faces(run.mesh.topology()) == 0;
+            merit.is_within() && is_counted(run) && (done >= enough || is_regular)
+        };
+        if is_over || best.as_ref().is_ok_and(is_enough) {
+            break;
+        }
+        let mean = excess.iter().sum::<f64>() / excess.len().max(1) as f64;
+        let share = count * (-mean).exp();
+        let next = made(group, share);
+        excess.extend(next.as_ref().ok().map(|(_, run)| miss(run) - share.ln()));
+        let is_better = match (&best, &next) {
+            (Ok((first, before)), Ok((second, after))) => {
+                let rank = |merit: &Merit, run| (!merit.is_within(), !is_counted(run));
+                match rank(second, after).cmp(&rank(first, before)) {
+                    Ordering::Equal => second.is_better(first),
+                    order => order.is_lt(),
+                }
+            }
+            _ => next.is_ok(),
+        };
+        if is_better {
+            best = next;
+        }
+    }
+    best
 }
 
 /// What keeps panels from following the symmetries of a surface, whichever it has.

@@ -45,9 +45,10 @@ impl FieldPanels {
         let progress = Quiet::unless(clock.progress, &alone);
         let near = || {
             let field = Field::new(ground, level, options, clock);
-            let has_other = field
-                .as_ref()
-                .is_ok_and(|f| f.has_opposites(ground) || f.has_small_holes(ground));
+            let has_other = !directions.mirrors.is_empty()
+                || field
+                    .as_ref()
+                    .is_ok_and(|f| f.has_opposites(ground) || f.has_small_holes(ground));
             alone.fetch_or(!has_other, Ordering::Relaxed);
             let near = field.and_then(|field| Self::of(ground, field, clock));
             let is_irregular = near.as_ref().is_ok_and(|n| !n.first.is_regular());
