@@ -123,14 +123,12 @@ fn smooth_target(surface: &TriangleSurface, panels: usize, options: &MeshOptions
 
 /// What is said of a surface without mirror planes that has a rotation of an order, or none.
 fn without_mirrors(turns: Option<u32>) -> String {
+    let within = format!("within {} % of its diagonal", 100.0 * SYMMETRY_TOLERANCE);
     match turns {
         Some(n) => format!(
-            "the surface has a rotation of order {n} and no mirror plane, and panels follow mirror planes alone"
+            "the surface has a rotation of order {n} and no mirror plane {within}, and panels follow mirror planes alone"
         ),
-        None => format!(
-            "the surface has no mirror plane within {} % of its diagonal",
-            100.0 * SYMMETRY_TOLERANCE
-        ),
+        None => format!("the surface has no mirror plane {within}"),
     }
 }
 
