@@ -264,6 +264,21 @@ fn unknown_extensions() {
         &["out.xyz", "unknown extension"],
     );
     refused_as_is(&shop, "convert a.obj out", &["unknown extension"]);
+    refused_as_is(
+        &shop,
+        "mesh a.obj -o out.obj --png a.jpg",
+        &["a.jpg", "pictures are written as .png"],
+    );
+    for command in [
+        "mesh a.obj -o out.obj --html a.png",
+        "report a.obj --html a.png",
+        "check a.obj --html a.png",
+    ] {
+        refused_as_is(&shop, command, &["a.png", "pages are written as .html"]);
+    }
+    std::fs::create_dir(shop.path("folder")).unwrap();
+    shop.phex("mesh a.obj -o folder")
+        .refuses(4, &["folder can't be written: it is a folder"]);
 }
 
 #[test]

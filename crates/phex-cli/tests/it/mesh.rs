@@ -32,7 +32,7 @@ fn surface_becomes_a_mesh_that_check_passes() {
     assert_eq!(report["verdict"], "pass");
     assert_eq!(report["inputs"][0]["sha256"].as_str().unwrap().len(), 64);
     assert_eq!(report["settings"]["panels"], 80);
-    assert_eq!(report["outputs"].as_array().unwrap().len(), 4);
+    assert_eq!(report["outputs"].as_array().unwrap().len(), 5);
     assert!(report["measures"]["planarity"]["max"].as_f64().unwrap() <= 1e-12);
     assert!(
         report["deviation_smooth"]["deviation_max"]
