@@ -224,6 +224,7 @@ impl<'a> MeshTask<'a> {
         let facets = joined(components.iter().map(|c| &c.surface))?;
         let mut sentences = job.parts.notes.sentences();
         sentences.extend(crumbs);
+        sentences.extend(job.settings.unit().doubted(facets.diagonal()));
         sentences.extend(without_effect(job, &facets));
         sentences.into_iter().for_each(|note| notes.say(note));
         let field = size_field(job, &components)?;
@@ -353,7 +354,7 @@ impl<'a> MeshTask<'a> {
         report.inputs = vec![self.job.input.clone()];
         report.threads = rayon::current_num_threads();
         let attempts = runs.iter().flat_map(|run| members(&run.tried));
-        report.notes = notes.into_iter().chain(attempts).collect();
+        report.notes.extend(notes.into_iter().chain(attempts));
         let start = joined_start(&runs);
         report.repetition = self.repetition(&mesh, &runs)?;
         let cones: Vec<Cone> = runs.iter().flat_map(|run| run.cones.clone()).collect();
