@@ -439,6 +439,23 @@ fn settings_that_are_not_finite_or_out_of_range() {
 }
 
 #[test]
+fn negative_values_are_refused_by_what_they_may_be() {
+    let shop = with_square("a.obj");
+    for (option, value) in [
+        ("-n", "-5"),
+        ("--repeat", "-3mm"),
+        ("--edge-length", "-1m"),
+        ("--max-panel", "-1x2m"),
+        ("--max-aspect", "-2"),
+    ] {
+        shop.phex(&format!("mesh a.obj -o out.obj {option} {value}"))
+            .refuses(2, &[&format!("invalid value '{value}'")]);
+    }
+    shop.phex("fab a.obj -o out --thickness -5mm")
+        .refuses(2, &["invalid value '-5mm'"]);
+}
+
+#[test]
 fn names_that_a_job_file_does_not_know() {
     let shop = with_square("a.obj");
     for (text, name) in [
