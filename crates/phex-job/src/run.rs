@@ -158,7 +158,8 @@ pub fn run(job: &MeshJob, progress: &dyn Progress) -> Result<JobResult, JobError
     let mesh = joined_mesh(&runs)?;
     let missed = missed_edge(&task.settings, &mesh, task.facets.diagonal());
     missed.into_iter().for_each(|note| notes.say(note));
-    task.judged(mesh, runs, notes.said)
+    let said = notes.said.into_iter().chain(timed.noted()).collect();
+    task.judged(mesh, runs, said)
 }
 
 /// Lays out the panels of a job and does no more: neither planar nor judged, they are there in a

@@ -402,7 +402,7 @@ fn info_tells_sizes_in_their_unit() {
         ),
         ("check roof.obj", true),
         ("check roof.obj --unit mm", false),
-        ("offset roof.obj --distance 1mm -o layers --force", true),
+        ("offset roof.obj --distance 1mm -o layers", true),
         ("convert roof.obj out.glb", true),
         ("convert roof.obj out.ply", false),
     ] {
