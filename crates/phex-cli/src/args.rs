@@ -176,7 +176,13 @@ pub struct NetworkCommand {
     #[arg(short, long, value_name = "NETWORK.OBJ")]
     pub output: PathBuf,
     /// Number of panels, about, that a brick wall on the curves would have
-    #[arg(short = 'n', long, value_name = "N", default_value_t = 500)]
+    #[arg(
+        short = 'n',
+        long,
+        allow_negative_numbers = true,
+        value_name = "N",
+        default_value_t = 500
+    )]
     pub panels: u64,
     /// Let columns follow a direction, e.g. `0,0,1`, with rows conjugate to them, instead of the
     /// lines of curvature
@@ -262,10 +268,20 @@ pub struct InfoCommand {
     #[arg(value_name = "FILE")]
     pub input: PathBuf,
     /// Say how many panels have edges of about this length, and how far off they would be
-    #[arg(long, value_name = "LENGTH", help_heading = "Panels")]
+    #[arg(
+        long,
+        allow_hyphen_values = true,
+        value_name = "LENGTH",
+        help_heading = "Panels"
+    )]
     pub edge_length: Option<Quantity>,
     /// Say how many panels would be about this near to the surface: `20mm`, `0.5%` of the diagonal
-    #[arg(long, value_name = "LENGTH", help_heading = "Panels")]
+    #[arg(
+        long,
+        allow_hyphen_values = true,
+        value_name = "LENGTH",
+        help_heading = "Panels"
+    )]
     pub max_deviation: Option<Quantity>,
     /// Unit of the model's coordinates
     #[arg(long, value_enum, default_value_t)]
@@ -314,13 +330,18 @@ pub struct ShapeCommand {
     #[arg(long)]
     pub list: bool,
     /// Number of triangles, about
-    #[arg(long, default_value_t = 8000)]
+    #[arg(long, allow_negative_numbers = true, default_value_t = 8000)]
     pub triangles: usize,
     /// Move vertices at random by up to this share of an edge (0 to 0.4)
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, allow_negative_numbers = true, default_value_t = 0.0)]
     pub jitter: f64,
     /// Seed of the random moves
-    #[arg(long, default_value_t = 0, requires = "jitter")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value_t = 0,
+        requires = "jitter"
+    )]
     pub seed: u64,
     /// Set a parameter of the surface, e.g. `--set minor=0.3`; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = parameter)]
@@ -426,7 +447,7 @@ pub struct KoebeCommand {
     pub boundary: Option<KoebeBoundary>,
     /// Angle in degrees between the middle of an open mesh and its boundary, seen from the centre
     /// (0 to 180) [default: 60]
-    #[arg(long, value_name = "DEGREES")]
+    #[arg(long, allow_negative_numbers = true, value_name = "DEGREES")]
     pub opening: Option<f64>,
     /// Write the mesh even if it is not valid (the exit code is still 5)
     #[arg(long, help_heading = "Files")]

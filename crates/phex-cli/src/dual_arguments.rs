@@ -22,7 +22,7 @@ pub struct DualCommand {
     #[arg(long, value_name = "X,Y,Z", value_parser = three, allow_hyphen_values = true)]
     pub centre: Option<[f64; 3]>,
     /// Radius of the sphere, model units
-    #[arg(long, value_name = "R", default_value_t = 1.0, value_parser = positive)]
+    #[arg(long, allow_negative_numbers = true, value_name = "R", default_value_t = 1.0, value_parser = positive)]
     pub radius: f64,
     /// Any other quadric: the ten numbers of the upper triangle of its symmetric matrix Q, row by
     /// row
@@ -98,7 +98,13 @@ pub struct PowerCommand {
     pub sites: Option<PathBuf>,
     /// Height of the plane that closes the cells without bounds, for sites; 1 touches the sphere's
     /// north pole
-    #[arg(long, value_name = "Z", default_value_t = 0.98, requires = "sites")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        value_name = "Z",
+        default_value_t = 0.98,
+        requires = "sites"
+    )]
     pub cap: f64,
     /// Semi-axes of the ellipsoid
     #[arg(long, value_name = "A,B,C", value_parser = three, default_value = "1,1,1")]
@@ -143,11 +149,12 @@ pub struct DupinCommand {
     #[arg(long, requires = "panels", conflicts_with = "at")]
     pub apart: bool,
     /// Number of points spread over the surface, where no others are given
-    #[arg(short = 'n', long, value_name = "N", default_value_t = 100, conflicts_with_all = ["at", "panels"])]
+    #[arg(short = 'n', long, allow_negative_numbers = true, value_name = "N", default_value_t = 100, conflicts_with_all = ["at", "panels"])]
     pub points: usize,
     /// Size of the curves over the distance at which points are spread
     #[arg(
         long,
+        allow_negative_numbers = true,
         value_name = "X",
         default_value_t = 0.4,
         conflicts_with = "panels"

@@ -19,10 +19,10 @@ pub struct FabCommand {
     #[arg(short, long, value_name = "FOLDER")]
     pub output: PathBuf,
     /// Thickness of the panels, e.g. `0.05` (model units) or `50mm`
-    #[arg(long, value_name = "LENGTH")]
+    #[arg(long, allow_hyphen_values = true, value_name = "LENGTH")]
     pub thickness: Quantity,
     /// Width of the joints between panels, in the planes of their faces [default: 0]
-    #[arg(long, value_name = "LENGTH")]
+    #[arg(long, allow_hyphen_values = true, value_name = "LENGTH")]
     pub gap: Option<Quantity>,
     /// Where the thickness goes from the mesh; sheets show the panels' upper faces, on the side of
     /// the normals (layer CUT), beyond which the lower ones reach where a mitre is negative
@@ -34,6 +34,7 @@ pub struct FabCommand {
     /// Size of a sheet: `1250x2500` in millimetres, or with a unit, `4x8ft`
     #[arg(
         long,
+        allow_hyphen_values = true,
         value_name = "WIDTHxLENGTH",
         default_value = "1250x2500",
         help_heading = "Sheets"
@@ -43,6 +44,7 @@ pub struct FabCommand {
     /// millimetres
     #[arg(
         long,
+        allow_hyphen_values = true,
         value_name = "LENGTH",
         default_value = "5mm",
         help_heading = "Sheets"
@@ -53,7 +55,7 @@ pub struct FabCommand {
     pub rotations: Rotations,
     /// Rounds of exchanges that make each sheet fuller: more take longer, 0 is quickest
     #[arg(
-        long,
+        long, allow_negative_numbers = true,
         value_name = "N",
         default_value_t = FabOptions::default().nest_effort,
         help_heading = "Sheets"
@@ -62,6 +64,7 @@ pub struct FabCommand {
     /// Largest height of engraved text, 3.4mm or more; a plain number is in millimetres
     #[arg(
         long,
+        allow_hyphen_values = true,
         value_name = "LENGTH",
         default_value = "25mm",
         help_heading = "Sheets"
@@ -71,14 +74,16 @@ pub struct FabCommand {
     /// same; a plain number is in millimetres
     #[arg(
         long,
+        allow_hyphen_values = true,
         value_name = "LENGTH",
         default_value = "1mm",
         help_heading = "Groups"
     )]
     pub tolerance: WorkshopLength,
-    /// Spread of angles that are the same, in degrees
+    /// Spread of angles that are the same, in degrees, 10 at the most
     #[arg(
         long,
+        allow_negative_numbers = true,
         value_name = "DEGREES",
         default_value_t = 0.1,
         help_heading = "Groups"
@@ -92,7 +97,12 @@ pub struct FabCommand {
     pub limits: Option<PathBuf>,
     /// Largest distance of a corner to its panel's plane: a number is mean edges, `0.1mm` a length
     /// [default: 1e-12, or rounding]
-    #[arg(long, value_name = "X", help_heading = "Tolerances")]
+    #[arg(
+        long,
+        allow_hyphen_values = true,
+        value_name = "X",
+        help_heading = "Tolerances"
+    )]
     pub planarity: Option<Quantity>,
     /// Number of threads; the result does not depend on it
     #[arg(short, long, value_parser = clap::value_parser!(u16).range(1..))]
@@ -124,12 +134,18 @@ impl From<PanelSide> for Side {
     }
 }
 
+/// Degrees of a full turn.
+const FULL_TURN: f64 = 360.0;
+
 fn rotations(text: &str) -> Result<Rotations, String> {
     if text == "free" {
         return Ok(Rotations::Free);
     }
     let angle = |word: &str| match word.trim().parse::<f64>() {
-        Ok(angle) if angle.is_finite() => Ok(angle),
+        Ok(angle) if angle.abs() <= FULL_TURN => Ok(angle),
+        Ok(_) => Err(format!(
+            "`{word}` is more than a full turn: write degrees from -360 to 360"
+        )),
         _ => Err(format!(
             "`{word}` is no angle; write `free` or degrees separated by commas"
         )),
@@ -152,5 +168,6 @@ mod tests {
             Rotations::Degrees(vec![0.0, -90.0])
         );
         assert!(rotations("").is_err() && rotations("0,inf").is_err());
+        assert!(rotations("0,400").unwrap_err().contains("full turn"));
     }
 }

@@ -52,7 +52,7 @@ pub struct OffsetCommand {
     /// Largest distance of the moved vertices and of panel centres to that surface, or to the given
     /// mesh
     #[arg(
-        long,
+        long, allow_hyphen_values = true,
         value_name = "LENGTH",
         default_value_t = DEFAULT_DEVIATION,
         requires = "optimise",
@@ -66,6 +66,7 @@ pub struct OffsetCommand {
     /// Width of the joints between solid panels, in the planes of their faces
     #[arg(
         long,
+        allow_hyphen_values = true,
         value_name = "LENGTH",
         requires = "solids",
         help_heading = "Files"
@@ -85,7 +86,12 @@ pub struct OffsetCommand {
     pub report: Option<PathBuf>,
     /// Largest distance of a corner to its face's plane: a number is mean edges, `0.1mm` a length
     /// [default: 1e-12, or rounding]
-    #[arg(long, value_name = "X", help_heading = "Tolerances")]
+    #[arg(
+        long,
+        allow_hyphen_values = true,
+        value_name = "X",
+        help_heading = "Tolerances"
+    )]
     pub planarity: Option<Quantity>,
     /// Unit of the model's coordinates
     #[arg(long, value_enum, default_value_t)]

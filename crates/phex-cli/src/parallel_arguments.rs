@@ -53,14 +53,31 @@ pub struct ParallelCommand {
     #[arg(long, value_enum, default_value_t, requires = "surface")]
     pub start: ParallelStart,
     /// Shortest edge allowed, over the mean edge (0 to 1)
-    #[arg(long, value_name = "X", default_value_t = 0.05, requires = "surface")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        value_name = "X",
+        default_value_t = 0.05,
+        requires = "surface"
+    )]
     pub least_edge: f64,
     /// Weight of edge lengths in proportion to the input's, or with --signs those of the sign rule,
     /// over that of closeness [default: 0.001, with --signs 0.03]
-    #[arg(long, value_name = "X", requires = "surface")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        value_name = "X",
+        requires = "surface"
+    )]
     pub fairness: Option<f64>,
     /// Weight of one mean curvature for all faces, over that of closeness
-    #[arg(long, value_name = "X", default_value_t = 0.0, requires = "surface")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        value_name = "X",
+        default_value_t = 0.0,
+        requires = "surface"
+    )]
     pub constant_mean_curvature: f64,
     /// Limits.
     #[command(flatten)]

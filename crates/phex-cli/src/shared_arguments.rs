@@ -57,11 +57,21 @@ pub struct Extras {
 pub struct ToleranceArguments {
     /// Largest distance of a corner to its panel's plane: a number is mean edges, `0.1mm` a length
     /// [default: 1e-12, or rounding]
-    #[arg(long, value_name = "X", help_heading = "Tolerances")]
+    #[arg(
+        long,
+        allow_hyphen_values = true,
+        value_name = "X",
+        help_heading = "Tolerances"
+    )]
     pub planarity: Option<Quantity>,
     /// Largest distance to the surface: `20mm`, or `0.5%` of the bounding-box diagonal [default:
     /// 0.5%]
-    #[arg(long, value_name = "LENGTH", help_heading = "Tolerances")]
+    #[arg(
+        long,
+        allow_hyphen_values = true,
+        value_name = "LENGTH",
+        help_heading = "Tolerances"
+    )]
     pub max_deviation: Option<Quantity>,
     /// Unit of the model's coordinates [default: that of the job or run whose limits hold, or m]
     #[arg(long, value_enum)]

@@ -1,7 +1,7 @@
 //! The short table on standard output.
 
 use crate::html;
-use phex::quality::{Assessment, Check, ElementKind, Reason, Scale, Verdict};
+use phex::quality::{Assessment, Check, ElementKind, Reason, Verdict, contradiction, told_place};
 use phex::report::RunReport;
 use phex_job::TypedLimits;
 use phex_job::Unit;
@@ -73,6 +73,9 @@ pub fn of_assessment(assessment: &Assessment, limits: &TypedLimits, every_check:
         if let Some(advice) = &check.advice {
             table.row("", format!("what helps: {advice}"));
         }
+    }
+    if let Some(line) = contradiction(&assessment.checks) {
+        table.row("note", line);
     }
     table.text += &not_checked(assessment);
     table.into_text()
@@ -393,9 +396,8 @@ fn percent(fraction: f64) -> String {
 fn said(check: &Check) -> String {
     let [value, limit, unit] = figures(check);
     let mut text = format!("{}: {value}, limit {limit}{unit}", check.name);
-    if let Some(place) = check.place {
-        let [x, y, z] = coordinates(place);
-        let _ = write!(text, ", worst at ({x}, {y}, {z})");
+    if let Some(place) = check.place.map(told_place) {
+        let _ = write!(text, ", worst at {place}");
     }
     let kind = match check.element {
         ElementKind::Vertex => "vertices",
@@ -411,34 +413,14 @@ fn said(check: &Check) -> String {
 
 /// Figure, limit and unit of a check, as the limit was typed.
 fn figures(check: &Check) -> [String; 3] {
-    let of_whole = match check.scale {
-        Scale::Count => "",
-        Scale::MeanEdges => "mean edges",
-        Scale::Diagonals => "of the diagonal",
-        Scale::Area => "of the area",
-        Scale::Length | Scale::SquareLength => "in model units",
-        Scale::Degrees => "degrees",
-        Scale::Ratio => "",
+    let shown = check.shown();
+    let [value, limit] = shown.in_words(figure);
+    let value = match &check.reading {
+        Some(reading) => format!("{value} {}", reading.unit),
+        None => value,
     };
-    let (factor, unit) = match (&check.reading, check.scale) {
-        (Some(reading), _) => {
-            let unit = match (reading.unit.as_str(), check.scale) {
-                ("%", Scale::MeanEdges) => " % of the mean edge".to_owned(),
-                ("%", _) => format!(" % {of_whole}"),
-                (unit, _) => format!(" {unit}"),
-            };
-            let value = format!("{} {}", figure(reading.value), reading.unit);
-            return [value, figure(reading.limit), unit];
-        }
-        (None, Scale::Count | Scale::Ratio) => (1.0, String::new()),
-        (None, Scale::Diagonals | Scale::Area) => (100.0, format!(" % {of_whole}")),
-        (None, _) => (1.0, format!(" {of_whole}")),
-    };
-    [
-        figure(factor * check.value),
-        figure(factor * check.limit),
-        unit,
-    ]
+    let space = if shown.unit.is_empty() { "" } else { " " };
+    [value, limit, format!("{space}{}", shown.unit)]
 }
 
 /// The first of some numbers of elements, and how many more there are.
@@ -453,9 +435,6 @@ fn listed(kind: &str, ids: &[usize]) -> String {
 
 /// Digits of a figure.
 const FIGURE_DIGITS: i32 = 4;
-/// Digits of the largest coordinate of a place, and decimals that each has at the least.
-const PLACE_DIGITS: i32 = 6;
-const PLACE_DECIMALS: i32 = 2;
 
 fn figure(value: f64) -> String {
     digits(value, FIGURE_DIGITS)
@@ -479,39 +458,10 @@ fn digits(value: f64, most: i32) -> String {
     }
 }
 
-/// The coordinates of a place, all to the same decimals, so that it can be found on any model.
-fn coordinates(place: [f64; 3]) -> [String; 3] {
-    let largest = place.iter().fold(f64::MIN_POSITIVE, |l, x| x.abs().max(l));
-    let decimals = (PLACE_DIGITS - 1 - largest.log10().floor() as i32).max(PLACE_DECIMALS);
-    place.map(|x| {
-        let text = format!("{x:.*}", decimals as usize);
-        let text = text.trim_end_matches('0').trim_end_matches('.');
-        text.strip_prefix('-')
-            .filter(|t| *t == "0")
-            .unwrap_or(text)
-            .to_owned()
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use phex::quality::Reading;
-
-    #[test]
-    fn places_can_be_found_at_every_size() {
-        let cases = [
-            (
-                [456_859.129, 5_400_123.75, 518.0],
-                ["456859.13", "5400123.75", "518"],
-            ),
-            ([0.070_287_3, -2.5, -4.5e-9], ["0.07029", "-2.5", "0"]),
-            ([3e-7, 0.0, 0.0], ["0.0000003", "0", "0"]),
-        ];
-        for (place, expected) in cases {
-            assert_eq!(coordinates(place), expected);
-        }
-    }
+    use phex::quality::{Reading, Scale};
 
     #[test]
     fn figures_are_short_at_every_size() {
@@ -561,6 +511,7 @@ mod tests {
                 unit: "mm".to_owned(),
                 limit: 20.0,
                 value: 62.456_789,
+                across: None,
             }),
             place: Some([1.0, -2.000_04, 3.123_456_789]),
             ids: vec![7],

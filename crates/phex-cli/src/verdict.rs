@@ -41,10 +41,13 @@ pub fn exit_of(verdict: Verdict) -> Exit {
 impl Extras {
     /// The files that these options ask for.
     pub fn outputs(&self) -> impl Iterator<Item = (&Path, Content)> {
-        [&self.report, &self.png, &self.html]
-            .into_iter()
-            .flatten()
-            .map(|path| (path.as_path(), Content::Other))
+        let all = [
+            (&self.report, Content::Other),
+            (&self.png, Content::Picture),
+            (&self.html, Content::Page),
+        ];
+        all.into_iter()
+            .filter_map(|(path, content)| Some((path.as_deref()?, content)))
     }
 
     /// Writes the picture and the reports that are wanted.
@@ -55,6 +58,9 @@ impl Extras {
         if let Some(path) = &self.png {
             output::write_picture(path, &draw(shown.mesh, &PictureOptions::default()))?;
             report.outputs.push(written("picture", path));
+        }
+        if let Some(path) = &self.report {
+            report.outputs.push(written("json_report", path));
         }
         if let Some(path) = &self.html {
             report.outputs.push(written("report", path));

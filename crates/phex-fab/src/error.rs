@@ -1,7 +1,7 @@
 //! Why workshop files can't be made.
 
 use crate::options::Rotations;
-use phex::offset::OffsetError;
+use phex::offset::{OffsetError, rounded_down};
 use phex_mesh::{Invalid, Violation};
 use std::fmt;
 use thiserror::Error;
@@ -104,7 +104,8 @@ fn flat(cause: &Invalid) -> &'static str {
 
 fn largest(distance: &Option<f64>) -> String {
     distance.map_or(String::new(), |d| {
-        format!("; the largest safe thickness on this side is {d:.6}")
+        let told = rounded_down(d);
+        format!("; the largest safe thickness on this side is {told} (model units)")
     })
 }
 

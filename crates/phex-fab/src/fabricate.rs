@@ -177,6 +177,9 @@ fn texts(plate: &Plate, ids: &PanelIds, largest: f64) -> PanelText {
     labels::place(plate, ids.panel(plate.face), &texts, largest)
 }
 
+/// Degrees beyond which no two angles are the same.
+const LARGEST_ANGLE_TOLERANCE: f64 = 10.0;
+
 fn check(options: &FabOptions) -> Result<(), FabError> {
     let positive = [
         ("the thickness", options.thickness),
@@ -192,6 +195,13 @@ fn check(options: &FabOptions) -> Result<(), FabError> {
             name,
             range: "a finite number above 0",
             value,
+        });
+    }
+    if options.angle_tolerance > LARGEST_ANGLE_TOLERANCE.to_radians() {
+        return Err(FabError::Option {
+            name: "the angle tolerance",
+            range: "at most 10 degrees, as parts that differ by more are not the same",
+            value: options.angle_tolerance.to_degrees(),
         });
     }
     let not_negative = [

@@ -74,7 +74,9 @@ pub struct FabOptions {
     /// Largest distance of corners up to which panels are congruent, and largest spread of one
     /// length of edges, in mm. Default 1.
     pub tolerance_mm: f64,
-    /// Largest spread of one angle, in radians. Default 0.1 degrees.
+    /// Largest spread of one angle, in radians, at most 10 degrees; in files degrees. Default 0.1
+    /// degrees.
+    #[serde(with = "degrees")]
     pub angle_tolerance: f64,
     /// Largest height of engraved text, in mm. Default 25; it is smaller where a panel is.
     pub text_mm: f64,
@@ -83,6 +85,22 @@ pub struct FabOptions {
     pub limits: PanelLimits,
     /// What is asked of the layers.
     pub validity: ValidateOptions,
+}
+
+/// Angles as files have them.
+mod degrees {
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    /// Parts of a degree that are kept: what radians round is less.
+    const DIGITS: f64 = 1e9;
+
+    pub fn serialize<S: Serializer>(radians: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_f64((radians.to_degrees() * DIGITS).round() / DIGITS)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+        f64::deserialize(deserializer).map(f64::to_radians)
+    }
 }
 
 impl Default for FabOptions {

@@ -2,7 +2,7 @@
 
 use crate::Report;
 use crate::escape::escaped;
-use phex::quality::{Check, ElementKind};
+use phex::quality::{Check, ElementKind, contradiction, told_place};
 use phex_mesh::measure::Metric;
 use serde_json::Value;
 
@@ -57,14 +57,14 @@ const CHECKS: [(&str, &str, &str); 24] = [
     (
         "planarity",
         "Planarity",
-        "largest distance of a corner to its panel’s plane, mean edges",
+        "largest distance of a corner to its panel’s plane",
     ),
     (
         "clearance",
         "Clearance",
-        "least distance of a corner to an edge of its panel, mean edges",
+        "least distance of a corner to an edge of its panel",
     ),
-    ("edge_length", "Shortest edge", "over the mean edge"),
+    ("edge_length", "Collapsed edges", "shortest edge"),
     (
         "finite",
         "Finite coordinates",
@@ -106,20 +106,16 @@ const CHECKS: [(&str, &str, &str); 24] = [
         "Topology",
         "that of the surface (0) or not (1)",
     ),
-    (
-        "deviation",
-        "Deviation",
-        "largest distance to the surface, over its diagonal",
-    ),
+    ("deviation", "Deviation", "largest distance to the surface"),
     (
         "coverage_inner",
         "Coverage",
-        "largest distance of the surface to the panels, over its diagonal",
+        "largest distance of the surface to the panels",
     ),
     (
         "boundary",
         "Boundary",
-        "largest distance between the boundaries of panels and surface, over its diagonal",
+        "largest distance between the boundaries of panels and surface",
     ),
     (
         "covered_area",
@@ -129,20 +125,12 @@ const CHECKS: [(&str, &str, &str); 24] = [
     (
         "max_panel",
         "Sheet",
-        "factor by which the sheet must grow to hold every panel",
+        "least sheet of the limit’s proportions that holds every panel",
     ),
-    ("min_edge", "Least edge", "shortest edge, model units"),
-    ("max_edge", "Largest edge", "longest edge, model units"),
-    (
-        "min_angle",
-        "Least angle",
-        "sharpest corner of a panel, degrees",
-    ),
-    (
-        "max_area",
-        "Largest area",
-        "largest panel, squared model units",
-    ),
+    ("min_edge", "Shortest edge", "of all panels"),
+    ("max_edge", "Longest edge", "of all panels"),
+    ("min_angle", "Least angle", "sharpest corner of a panel"),
+    ("max_area", "Largest area", "largest panel"),
     (
         "max_aspect",
         "Aspect",
@@ -151,12 +139,12 @@ const CHECKS: [(&str, &str, &str); 24] = [
     (
         "min_dihedral",
         "Sharpest joint",
-        "least angle between neighbouring panels, degrees; 180 is flat",
+        "least angle between neighbouring panels; 180 is flat",
     ),
     (
         "max_dihedral",
         "Flattest joint",
-        "largest angle between neighbouring panels, degrees",
+        "largest angle between neighbouring panels",
     ),
 ];
 
@@ -208,7 +196,11 @@ pub fn repetition(report: &Report<'_>) -> String {
 pub fn checks(report: &Report<'_>) -> String {
     let mut rows = vec![head(&["", "Check", "Value", "Limit", "Offenders"])];
     rows.extend(report.run.checks.iter().map(|c| check(report, c)));
-    table("checks", &rows)
+    let contradiction = contradiction(&report.run.checks);
+    let contradiction = contradiction.map_or_else(String::new, |told| {
+        format!("<p class=\"note\">{}</p>\n", escaped(&told))
+    });
+    table("checks", &rows) + &contradiction
 }
 
 fn check(report: &Report<'_>, check: &Check) -> Vec<String> {
@@ -220,17 +212,32 @@ fn check(report: &Report<'_>, check: &Check) -> Vec<String> {
         (false, false) => "<span class=\"mark outside\">fail</span>",
     };
     let sign = if check.is_least { "≥" } else { "≤" };
+    let shown = check.shown();
+    let [value, limit] = shown.in_words(figure);
+    let unit = escaped(&shown.unit.replace("in model units", &report.run.unit));
     vec![
         mark.to_owned(),
         format!(
-            "<b>{}</b> <small>{}</small>",
+            "<b>{}</b> <small>{}</small>{}",
             escaped(title),
-            escaped(meaning)
+            escaped(meaning),
+            helps(check)
         ),
-        figure(check.value),
-        format!("{sign} {}", figure(check.limit)),
+        value,
+        format!("{sign} {limit} {unit}").trim_end().to_owned(),
         named(report, check),
     ]
+}
+
+/// What would help where a check fails.
+fn helps(check: &Check) -> String {
+    let advice = check.advice.as_ref();
+    advice.map_or_else(String::new, |advice| {
+        format!(
+            "<br><small class=\"helps\">What helps: {}</small>",
+            escaped(advice)
+        )
+    })
 }
 
 fn named(report: &Report<'_>, check: &Check) -> String {
@@ -253,10 +260,8 @@ fn named(report: &Report<'_>, check: &Check) -> String {
         0 => String::new(),
         n => format!(" and {n} more"),
     };
-    let place = check.place.map(|p| p.map(figure));
-    let place = place.map_or_else(String::new, |[x, y, z]| {
-        format!(", worst at ({x}, {y}, {z})")
-    });
+    let place = check.place.map(told_place);
+    let place = place.map_or_else(String::new, |place| format!(", worst at {place}"));
     format!("{kind} {list}{more}{place}")
 }
 

@@ -2,7 +2,7 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use phex::quality::{Assessment, Limits, References};
+use phex::quality::{Assessment, Limits, Reading, References};
 use phex::report::{InputFile, RunReport};
 use phex_html::{CurveFamily, Report, Viewer, page};
 use phex_mesh::{HexMesh, PanelLimits, TriangleSurface, Vec3};
@@ -268,6 +268,54 @@ fn offenders_have_the_names_and_checks_the_words_of_the_page() {
         "{texts:?}"
     );
     assert!(texts.iter().all(|text| !text.contains("--")), "{texts:?}");
+}
+
+#[test]
+fn checks_have_the_typed_unit_a_place_that_can_be_found_and_what_helps() {
+    let mesh = corner(1.0);
+    let limits = Limits {
+        panels: PanelLimits {
+            max_panel: Some([0.5, 0.5]),
+            min_edge: Some(1.2),
+            ..Default::default()
+        },
+        ..Default::default()
+    };
+    let mut run = RunReport::new(
+        "report",
+        Assessment::new(&mesh, References::default(), &limits),
+    );
+    let check = run
+        .checks
+        .iter_mut()
+        .find(|c| c.name == "min_edge")
+        .unwrap();
+    check.place = Some([512_347.7, 5_401_232.59, 414.87]);
+    check.reading = Some(Reading {
+        unit: "mm".to_owned(),
+        limit: 1200.0,
+        value: 1000.0,
+        across: None,
+    });
+    let report = Report {
+        title: "corner",
+        command: "phex",
+        run: &run,
+        mesh: &mesh,
+        names: None,
+        surface: None,
+        start: None,
+        curves: Err("none"),
+    };
+    let html = page(&report, None).unwrap();
+    for told in [
+        "<td>1000</td><td>≥ 1200 mm</td>",
+        "worst at (512347.7, 5401232.59, 414.87)",
+        "What helps: about 2 panels, if all grow alike",
+        "min-edge asks for fewer panels, max-panel asks for more",
+    ] {
+        assert!(html.contains(told), "{told}: {html}");
+    }
 }
 
 #[test]

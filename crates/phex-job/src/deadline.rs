@@ -3,7 +3,9 @@
 use crate::error::JobError;
 use phex::{Event, Progress};
 use phex_mesh::PolygonSoup;
+use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// How long a job may take.
@@ -40,7 +42,7 @@ pub fn time_limit(text: &str) -> Result<Duration, String> {
         .ok_or_else(|| format!("`{text}` is no time: give a number above 0 with s, min or h"))
 }
 
-/// The caller's progress, which also ends when the time is over.
+/// The caller's progress, which also ends when the time is over, and keeps what is noted.
 pub(crate) struct Timed<'a> {
     inner: &'a dyn Progress,
     limit: Option<TimeLimit>,
@@ -48,6 +50,8 @@ pub(crate) struct Timed<'a> {
     keep_best: bool,
     /// Whether the computation was told that the time is over.
     late: AtomicBool,
+    /// What the computation has noted, in an order that does not depend on threads.
+    noted: Mutex<BTreeSet<String>>,
 }
 
 impl<'a> Timed<'a> {
@@ -57,7 +61,14 @@ impl<'a> Timed<'a> {
             limit,
             keep_best,
             late: AtomicBool::new(false),
+            noted: Mutex::default(),
         }
+    }
+
+    /// What the computation has noted, for the report.
+    pub fn noted(&self) -> Vec<String> {
+        let noted = self.noted.lock().unwrap_or_else(PoisonError::into_inner);
+        noted.iter().cloned().collect()
     }
 
     /// Whether the caller has stopped the job.
@@ -100,6 +111,10 @@ impl<'a> Timed<'a> {
 
 impl Progress for Timed<'_> {
     fn report(&self, event: &Event) {
+        if let Event::Note { message } = event {
+            let mut noted = self.noted.lock().unwrap_or_else(PoisonError::into_inner);
+            noted.insert(message.clone());
+        }
         self.inner.report(event);
     }
 

@@ -1,6 +1,7 @@
 //! What is in a file, and what is wrong with it.
 
 use crate::input::MeshFile;
+use crate::units::Unit;
 use phex_mesh::polygon::sides;
 use phex_mesh::{
     FaceId, PolygonSoup, SurfaceError, SurfaceParts, TopologyError, TriangleSurface, Vec3, VertexId,
@@ -39,6 +40,8 @@ pub struct FileInfo {
     pub notes: Vec<String>,
     /// Why the file is no surface.
     pub problem: Option<String>,
+    /// Where the problem is: its vertices, or the middles of its faces where it names none.
+    pub problem_at: Vec<[f64; 3]>,
     /// Where the problem is: faces by their numbers in the file, and points.
     #[serde(skip)]
     pub place: ProblemPlace,
@@ -77,6 +80,22 @@ impl ProblemPlace {
         place.faces.retain(|&f| f < soup.faces.len());
         place.vertices.retain(|&v| v < soup.positions.len());
         place
+    }
+
+    /// The vertices, or the middles of the faces where there are none; those that are anywhere.
+    fn points(&self, soup: &PolygonSoup) -> Vec<[f64; 3]> {
+        let at = |v: usize| soup.positions.get(v).copied().unwrap_or_default();
+        let middle = |f: &usize| {
+            let corners = &soup.faces[*f];
+            let sum: Vec3 = corners.iter().map(|&v| at(v as usize)).sum();
+            sum / corners.len().max(1) as f64
+        };
+        let points: Vec<Vec3> = match self.vertices.is_empty() {
+            true => self.faces.iter().map(middle).collect(),
+            false => self.vertices.iter().map(|&v| at(v)).collect(),
+        };
+        let finite = |p: &Vec3| p.iter().all(|x| x.is_finite());
+        points.into_iter().filter(finite).map(Into::into).collect()
     }
 
     fn add(&mut self, error: &SurfaceError) {
@@ -151,6 +170,7 @@ impl FileInfo {
             area: None,
             notes: Vec::new(),
             problem: None,
+            problem_at: Vec::new(),
             place: ProblemPlace::default(),
         };
         for face in &soup.faces {
@@ -164,6 +184,7 @@ impl FileInfo {
             Err(error) => {
                 info.problem = Some(error.to_string());
                 info.place = ProblemPlace::of(&error, soup);
+                info.problem_at = info.place.points(soup);
             }
         }
         info
@@ -193,6 +214,14 @@ impl ComponentInfo {
             genus: (2 - boundary_loops as i64 - euler_characteristic) / 2,
             area: surface.area(),
         }
+    }
+}
+
+impl MeshFile {
+    /// What is said of a model whose size in a unit is no building's, see [`Unit::doubted`].
+    pub fn doubted(&self, unit: Unit) -> Option<String> {
+        let (low, high) = bounding_box(&self.soup);
+        unit.doubted((high - low).norm())
     }
 }
 

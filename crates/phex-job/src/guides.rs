@@ -19,7 +19,7 @@ pub struct GuideSettings {
     pub guide: Option<PathBuf>,
     /// Let rows run along edges of the input whose two triangles meet at more than an angle in
     /// degrees (30 without a number)
-    #[cfg_attr(feature = "clap", arg(long, value_name = "DEG", num_args = 0..=1, default_missing_value = "30", value_parser = angle, help_heading = "Rows"))]
+    #[cfg_attr(feature = "clap", arg(long, allow_negative_numbers = true, value_name = "DEG", num_args = 0..=1, default_missing_value = "30", value_parser = angle, help_heading = "Rows"))]
     pub crease: Option<f64>,
     /// Put the irregular panels of the field where a text file says: `x y z index` on a line, 1 for
     /// a pentagon, -1 for a heptagon; on a closed surface the indices must add up to six times the

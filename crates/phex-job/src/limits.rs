@@ -123,15 +123,8 @@ impl TypedLimits {
         let diagonal = assessment.judged_deviation().map(|d| d.diagonal);
         let whole = diagonal.unwrap_or_else(|| mesh.diagonal());
         for check in &mut assessment.checks {
-            let of_panels = self.panels.typed_unit(check.name, self.unit, whole);
-            check.reading = match of_panels {
-                Some((unit, size)) => Some(Reading {
-                    unit,
-                    limit: check.limit / size,
-                    value: check.value / size,
-                }),
-                None => self.reading(check, edge, diagonal),
-            };
+            let of_panels = self.panels.reading(check, self.unit, whole);
+            check.reading = of_panels.or_else(|| self.reading(check, edge, diagonal));
         }
         assessment
     }
@@ -171,6 +164,7 @@ impl TypedLimits {
             unit: unit.to_owned(),
             limit: typed.value(),
             value: check.value_length? / length,
+            across: None,
         })
     }
 

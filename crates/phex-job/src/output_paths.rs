@@ -10,8 +10,33 @@ use std::path::{Path, PathBuf};
 pub enum Content {
     /// A mesh, in the format of its extension.
     Mesh,
-    /// JSON or a picture.
+    /// A picture, which is a PNG file.
+    Picture,
+    /// A page for browsers, which is an HTML file.
+    Page,
+    /// Anything else, whatever it is called.
     Other,
+}
+
+impl Content {
+    /// Refuses a file whose name promises something else.
+    fn check_name(self, path: &Path) -> Result<(), JobError> {
+        let (what, extensions) = match self {
+            Self::Mesh => {
+                let format = Format::from_path(path);
+                return format.map(drop).map_err(|e| JobError::in_file(path, &e));
+            }
+            Self::Picture => ("pictures are written as .png", &["png"][..]),
+            Self::Page => ("pages are written as .html", &["html", "htm"][..]),
+            Self::Other => return Ok(()),
+        };
+        let extension = path.extension().and_then(|e| e.to_str());
+        let is_known = |e: &str| extensions.contains(&e.to_ascii_lowercase().as_str());
+        match extension.is_some_and(is_known) {
+            true => Ok(()),
+            false => Err(JobError::Input(format!("{}: {what}", path.display()))),
+        }
+    }
 }
 
 /// The paths of all files of a command: none that is written is read, too, or written twice.
@@ -39,12 +64,15 @@ impl OutputPaths {
     /// Checks that a file can be written, and that it is no other one of the command.
     ///
     /// # Errors
-    /// If it is, the path can't be written, or the extension of a mesh is unknown.
+    /// If it is, the path can't be written, or its extension is that of other content.
     pub fn add(&mut self, path: &Path, content: Content) -> Result<(), JobError> {
-        if content == Content::Mesh {
-            Format::from_path(path).map_err(|e| JobError::in_file(path, &e))?;
-        }
         let name = path.display();
+        if path.is_dir() {
+            return Err(JobError::Input(format!(
+                "{name} can't be written: it is a folder"
+            )));
+        }
+        content.check_name(path)?;
         let whole = whole(path);
         if self.taken.contains(&whole) {
             return Err(JobError::Input(format!(
@@ -71,9 +99,6 @@ fn whole(path: &Path) -> PathBuf {
 
 fn check_place(path: &Path) -> Result<(), String> {
     let path = &link_target(path).map_err(|e| e.to_string())?;
-    if path.is_dir() {
-        return Err("it is a folder".to_owned());
-    }
     if path.file_name().is_none() {
         return Err("it names no file".to_owned());
     }

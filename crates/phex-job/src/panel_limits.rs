@@ -3,6 +3,7 @@
 use crate::error::JobError;
 use crate::hexagon::hexagon_area;
 use crate::units::{Area, Quantity, Rectangle, Unit};
+use phex::quality::{Check, Reading};
 use phex::ranges::{self, BadOption};
 use phex_mesh::PanelLimits;
 use serde::{Deserialize, Serialize};
@@ -15,38 +16,58 @@ pub struct LimitSettings {
     /// Sheet that each panel is cut from, however it lies on it: `1.5x3.0m`
     #[cfg_attr(
         feature = "clap",
-        arg(long, value_name = "AxB", help_heading = "Limits of a workshop")
+        arg(
+            long,
+            allow_hyphen_values = true,
+            value_name = "AxB",
+            help_heading = "Limits of a workshop"
+        )
     )]
     pub max_panel: Option<Rectangle>,
     /// Shortest edge
     #[cfg_attr(
         feature = "clap",
-        arg(long, value_name = "LENGTH", help_heading = "Limits of a workshop")
+        arg(
+            long,
+            allow_hyphen_values = true,
+            value_name = "LENGTH",
+            help_heading = "Limits of a workshop"
+        )
     )]
     pub min_edge: Option<Quantity>,
     /// Longest edge
     #[cfg_attr(
         feature = "clap",
-        arg(long, value_name = "LENGTH", help_heading = "Limits of a workshop")
+        arg(
+            long,
+            allow_hyphen_values = true,
+            value_name = "LENGTH",
+            help_heading = "Limits of a workshop"
+        )
     )]
     pub max_edge: Option<Quantity>,
     /// Sharpest corner of a panel, degrees
-    #[cfg_attr(feature = "clap", arg(long, value_name = "DEG", value_parser = crate::steering::positive, help_heading = "Limits of a workshop"))]
+    #[cfg_attr(feature = "clap", arg(long, allow_negative_numbers = true, value_name = "DEG", value_parser = crate::steering::positive, help_heading = "Limits of a workshop"))]
     pub min_angle: Option<f64>,
     /// Largest panel: `2.5m2`, or a number of squared model units
     #[cfg_attr(
         feature = "clap",
-        arg(long, value_name = "AREA", help_heading = "Limits of a workshop")
+        arg(
+            long,
+            allow_hyphen_values = true,
+            value_name = "AREA",
+            help_heading = "Limits of a workshop"
+        )
     )]
     pub max_area: Option<Area>,
     /// Largest length over width of a panel, at least 1
-    #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = crate::steering::positive, help_heading = "Limits of a workshop"))]
+    #[cfg_attr(feature = "clap", arg(long, allow_negative_numbers = true, value_name = "X", value_parser = crate::steering::positive, help_heading = "Limits of a workshop"))]
     pub max_aspect: Option<f64>,
     /// Sharpest joint: least angle between neighbouring panels, degrees; 180 is flat
-    #[cfg_attr(feature = "clap", arg(long, value_name = "DEG", value_parser = crate::steering::positive, help_heading = "Limits of a workshop"))]
+    #[cfg_attr(feature = "clap", arg(long, allow_negative_numbers = true, value_name = "DEG", value_parser = crate::steering::positive, help_heading = "Limits of a workshop"))]
     pub min_dihedral: Option<f64>,
     /// Flattest joint: largest angle between neighbouring panels, degrees
-    #[cfg_attr(feature = "clap", arg(long, value_name = "DEG", value_parser = crate::steering::positive, help_heading = "Limits of a workshop"))]
+    #[cfg_attr(feature = "clap", arg(long, allow_negative_numbers = true, value_name = "DEG", value_parser = crate::steering::positive, help_heading = "Limits of a workshop"))]
     pub max_dihedral: Option<f64>,
 }
 
@@ -147,9 +168,30 @@ impl LimitSettings {
         all.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
+    /// Figure and limit of a check as the limit was typed; `None` where it was not typed as a
+    /// length, an area or a sheet.
+    pub(crate) fn reading(&self, check: &Check, unit: Unit, whole: f64) -> Option<Reading> {
+        if check.name == "max_panel" {
+            let sheet = self.max_panel?;
+            let (name, size) = sheet.typed()[0].unit(unit, whole);
+            return Some(sheet_reading(
+                sheet.sides(unit, whole).map(|side| side / size),
+                check.value,
+                name.to_owned(),
+            ));
+        }
+        let (unit, size) = self.typed_unit(check.name, unit, whole)?;
+        Some(Reading {
+            unit,
+            limit: check.limit / size,
+            value: check.value / size,
+            across: None,
+        })
+    }
+
     /// The unit in which a limit was typed, by the name of its check, and the value of 1 of it in
     /// model units.
-    pub(crate) fn typed_unit(&self, check: &str, unit: Unit, whole: f64) -> Option<(String, f64)> {
+    fn typed_unit(&self, check: &str, unit: Unit, whole: f64) -> Option<(String, f64)> {
         let of = |q: Quantity| {
             let (name, length) = q.unit(unit, whole);
             (name.to_owned(), length)
@@ -163,6 +205,17 @@ impl LimitSettings {
             }),
             _ => None,
         }
+    }
+}
+
+/// A sheet beside the least one of its proportions that holds every panel.
+fn sheet_reading([a, b]: [f64; 2], factor: f64, unit: String) -> Reading {
+    let (short, long) = (a.min(b), a.max(b));
+    Reading {
+        unit,
+        limit: short,
+        value: factor * short,
+        across: Some([long, factor * long]),
     }
 }
 
@@ -202,6 +255,13 @@ mod tests {
         assert!(sheet < area("max-panel = '4x4'").unwrap());
         assert_eq!(area("max-panel = '2x4'\nmax-edge = 100"), Some(sheet));
         assert!(area("max-panel = '2x4'\nmax-edge = 0.5").unwrap() < sheet);
+    }
+
+    #[test]
+    fn a_sheet_is_read_beside_the_one_that_would_do() {
+        let read = sheet_reading([4.0, 2.0], 1.5, "m".to_owned());
+        assert_eq!((read.limit, read.value), (2.0, 3.0));
+        assert_eq!(read.across, Some([4.0, 6.0]));
     }
 
     #[test]

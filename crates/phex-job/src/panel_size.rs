@@ -28,8 +28,11 @@ pub fn panels(
         TypedPanelSize::Panels(panels) => panels,
         TypedPanelSize::EdgeLength(length) => {
             let edge = length.length(unit, surface.diagonal());
-            of_edge(edge, surface.area())
-                .map_err(|cause| JobError::input(format!("--edge-length {length}: {cause}")))?
+            of_edge(edge, surface.area()).map_err(|cause| {
+                let doubt = unit.doubted(surface.diagonal());
+                let doubt = doubt.map_or_else(String::new, |told| format!("; {told}"));
+                JobError::input(format!("--edge-length {length}: {cause}{doubt}"))
+            })?
         }
     };
     checked(panels, surface)

@@ -159,7 +159,8 @@ pub fn run(job: &MeshJob, progress: &dyn Progress) -> Result<JobResult, JobError
     let mesh = joined_mesh(&runs)?;
     let missed = missed_edge(&task.settings, &mesh, task.facets.diagonal());
     missed.into_iter().for_each(|note| notes.say(note));
-    task.judged(mesh, runs, notes.said)
+    let said = notes.said.into_iter().chain(timed.noted()).collect();
+    task.judged(mesh, runs, said)
 }
 
 /// Lays out the panels of a job and does no more: neither planar nor judged, they are there in a
@@ -225,6 +226,7 @@ impl<'a> MeshTask<'a> {
         let facets = joined(components.iter().map(|c| &c.surface))?;
         let mut sentences = job.parts.notes.sentences();
         sentences.extend(crumbs);
+        sentences.extend(job.settings.unit().doubted(facets.diagonal()));
         sentences.extend(without_effect(job, &facets));
         sentences.into_iter().for_each(|note| notes.say(note));
         let field = size_field(job, &components)?;
@@ -354,7 +356,7 @@ impl<'a> MeshTask<'a> {
         report.inputs = vec![self.job.input.clone()];
         report.threads = rayon::current_num_threads();
         let attempts = runs.iter().flat_map(|run| members(&run.tried));
-        report.notes = notes.into_iter().chain(attempts).collect();
+        report.notes.extend(notes.into_iter().chain(attempts));
         let start = joined_start(&runs);
         report.repetition = self.repetition(&mesh, &runs)?;
         let cones: Vec<Cone> = runs.iter().flat_map(|run| run.cones.clone()).collect();

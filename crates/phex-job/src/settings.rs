@@ -5,7 +5,7 @@ use crate::guides::GuideSettings;
 use crate::input::read_text;
 use crate::panel_limits::LimitSettings;
 use crate::steering::SteeringSettings;
-use crate::toml_text::{from_toml, table};
+use crate::toml_text::{from_json, from_toml, table, with_meant};
 use crate::units::{Quantity, Unit};
 use phex::Boundary;
 use phex::MeshOptions;
@@ -30,12 +30,21 @@ pub struct MeshSettings {
     /// for]
     #[cfg_attr(
         feature = "clap",
-        arg(short = 'n', long, value_name = "N", conflicts_with = "edge_length")
+        arg(
+            short = 'n',
+            long,
+            allow_negative_numbers = true,
+            value_name = "N",
+            conflicts_with = "edge_length"
+        )
     )]
     pub panels: Option<u64>,
     /// Length of the edges between panels, about: `1.2`, `1.2m`, or `2%` of the bounding-box
     /// diagonal
-    #[cfg_attr(feature = "clap", arg(long, value_name = "LENGTH"))]
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, allow_hyphen_values = true, value_name = "LENGTH")
+    )]
     pub edge_length: Option<Quantity>,
     /// How panels are laid out [default: lattice]
     #[cfg_attr(feature = "clap", arg(long, value_enum))]
@@ -52,7 +61,7 @@ pub struct MeshSettings {
     pub quadric: Option<[f64; 10]>,
     /// Hold back vertices where tangent planes meet badly (0.05 to 0.5), and leave planarity to the
     /// optimiser; for `tangent-planes`
-    #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = crate::steering::positive))]
+    #[cfg_attr(feature = "clap", arg(long, allow_negative_numbers = true, value_name = "X", value_parser = crate::steering::positive))]
     pub regularise: Option<f64>,
     /// Give all panels the mean curvature 0, for minimal surfaces; for `koebe`
     #[cfg_attr(feature = "clap", arg(long))]
@@ -69,7 +78,7 @@ pub struct MeshSettings {
     pub rotate: Option<f64>,
     /// Smaller panels where the surface is strongly curved (panel length times curvature stays
     /// below this, 0.4 without a number) or has two sheets near each other
-    #[cfg_attr(feature = "clap", arg(long, value_name = "C", num_args = 0..=1, default_missing_value = "0.4", value_parser = crate::steering::positive))]
+    #[cfg_attr(feature = "clap", arg(long, allow_negative_numbers = true, value_name = "C", num_args = 0..=1, default_missing_value = "0.4", value_parser = crate::steering::positive))]
     pub adaptive: Option<f64>,
     /// Lengths of the panels' edges from a text file: a number on each line for each vertex of the
     /// input, in its order; with --panels or --edge-length only their ratios count
@@ -85,7 +94,10 @@ pub struct MeshSettings {
     pub symmetry: Option<Symmetry>,
     /// Make as many edges equal as can be within a length: `5mm`, or `0.02%` of the bounding-box
     /// diagonal; vertices move along the surface, and within all limits
-    #[cfg_attr(feature = "clap", arg(long, value_name = "LENGTH"))]
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, allow_hyphen_values = true, value_name = "LENGTH")
+    )]
     pub repeat: Option<Quantity>,
     /// Surface that the panels are kept close to [default: smooth]
     #[cfg_attr(feature = "clap", arg(long, value_enum, value_name = "KIND"))]
@@ -94,14 +106,24 @@ pub struct MeshSettings {
     /// 0.5%]
     #[cfg_attr(
         feature = "clap",
-        arg(long, value_name = "LENGTH", help_heading = "Tolerances")
+        arg(
+            long,
+            allow_hyphen_values = true,
+            value_name = "LENGTH",
+            help_heading = "Tolerances"
+        )
     )]
     pub max_deviation: Option<Quantity>,
     /// Largest distance of a corner to its panel's plane: a number is mean edges, `0.1mm` a length
     /// [default: 1e-12, or rounding]
     #[cfg_attr(
         feature = "clap",
-        arg(long, value_name = "X", help_heading = "Tolerances")
+        arg(
+            long,
+            allow_hyphen_values = true,
+            value_name = "X",
+            help_heading = "Tolerances"
+        )
     )]
     pub planarity: Option<Quantity>,
     /// Unit of the model's coordinates [default: m]
@@ -112,7 +134,7 @@ pub struct MeshSettings {
     #[cfg_attr(feature = "clap", arg(long))]
     pub all_components: bool,
     /// Seed of every random choice [default: 0]
-    #[cfg_attr(feature = "clap", arg(long))]
+    #[cfg_attr(feature = "clap", arg(long, allow_negative_numbers = true))]
     pub seed: Option<u64>,
     /// Number of threads; the result does not depend on it [default: all cores]
     #[cfg_attr(feature = "clap", arg(short, long, value_parser = clap::value_parser!(u16).range(1..)))]
@@ -307,6 +329,12 @@ pub enum TypedPanelSize {
     EdgeLength(Quantity),
 }
 
+/// An error of reading settings, with what is meant by an unknown key.
+fn with_meant_key(error: JobError) -> JobError {
+    let all = serde_json::to_value(MeshSettings::default());
+    with_meant(error, &all.unwrap_or_default())
+}
+
 impl MeshSettings {
     /// Settings of a job file.
     ///
@@ -322,8 +350,16 @@ impl MeshSettings {
     /// # Errors
     /// As [`from_toml`], or if two settings exclude each other.
     pub fn from_toml(text: &str) -> Result<Self, JobError> {
-        let settings: Self = from_toml(text)?;
+        let settings: Self = from_toml(text).map_err(with_meant_key)?;
         settings.check_job().map(|()| settings)
+    }
+
+    /// Settings of a value, as those of a table of a study file.
+    ///
+    /// # Errors
+    /// As [`from_json`].
+    pub fn from_json(value: serde_json::Value) -> Result<Self, JobError> {
+        from_json(value).map_err(with_meant_key)
     }
 
     /// The files that are read.

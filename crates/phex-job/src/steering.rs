@@ -52,13 +52,13 @@ pub struct SteeringSettings {
     )]
     pub anchors: Option<PathBuf>,
     /// More than 1: panels more like their neighbours, less than 1: freer ones
-    #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = positive, help_heading = "Steering"))]
+    #[cfg_attr(feature = "clap", arg(long, allow_negative_numbers = true, value_name = "X", value_parser = positive, help_heading = "Steering"))]
     pub fairness: Option<f64>,
     /// More than 1: nearer to surface and boundary
-    #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = positive, help_heading = "Steering"))]
+    #[cfg_attr(feature = "clap", arg(long, allow_negative_numbers = true, value_name = "X", value_parser = positive, help_heading = "Steering"))]
     pub closeness: Option<f64>,
     /// More than 1: more room between the corners and edges of a panel
-    #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = positive, help_heading = "Steering"))]
+    #[cfg_attr(feature = "clap", arg(long, allow_negative_numbers = true, value_name = "X", value_parser = positive, help_heading = "Steering"))]
     pub clearance: Option<f64>,
     /// Less than 1: corners nearer to the surface, centres of panels farther; 0: the corners lie on
     /// it

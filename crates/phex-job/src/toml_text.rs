@@ -4,6 +4,7 @@ use crate::error::JobError;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeOwned, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
+use serde_json::Value;
 use std::fmt;
 use std::marker::PhantomData;
 
@@ -71,6 +72,47 @@ fn located(error: &toml::de::Error, key: &str, text: &str) -> JobError {
         }
         None => message,
     })
+}
+
+/// Likeness, by Jaro, from which on an unknown key is taken for a known one that is spelt wrong.
+const ALIKE: f64 = 0.8;
+
+/// The same error, which says what is meant where a key is unknown: a known one that is spelt
+/// alike, or one of another table. `all` has every key of the file, with tables as objects.
+pub(crate) fn with_meant(error: JobError, all: &Value) -> JobError {
+    let JobError::Input(message) = error else {
+        return error;
+    };
+    let meant = |message: &str| {
+        let (before, rest) = message.split_once("unknown field `")?;
+        let (found, expected) = rest.split_once("`, expected ")?;
+        let known: Vec<&str> = expected.split('`').skip(1).step_by(2).collect();
+        let meant = meant(found, &known, all)?;
+        Some(format!("{before}unknown field `{found}`: {meant}"))
+    };
+    JobError::Input(meant(&message).unwrap_or(message))
+}
+
+/// What is meant by a key where others are known.
+fn meant(found: &str, known: &[&str], all: &Value) -> Option<String> {
+    let spelt = found.replace('_', "-");
+    if known.contains(&spelt.as_str()) {
+        return Some(format!("did you mean `{spelt}`?"));
+    }
+    let all = all.as_object()?;
+    let mut tables = all
+        .iter()
+        .filter_map(|(name, v)| Some((name, v.as_object()?)));
+    if let Some((table, _)) = tables.find(|(_, keys)| keys.contains_key(&spelt)) {
+        return Some(format!("`{spelt}` belongs in the table [{table}]"));
+    }
+    if all.contains_key(&spelt) {
+        return Some(format!("`{spelt}` belongs above all tables"));
+    }
+    let likeness = |key: &&str| strsim::jaro(&spelt, key);
+    let nearest = known.iter().copied();
+    let nearest = nearest.max_by(|a, b| likeness(a).total_cmp(&likeness(b)))?;
+    (likeness(&nearest) >= ALIKE).then(|| format!("did you mean `{nearest}`?"))
 }
 
 /// Names of types in the parser's messages, and in plain words.
@@ -148,6 +190,40 @@ mod tests {
         assert!(from_toml::<MeshSettings>(&comment(LONGEST_TOML)).is_ok());
         let told = from_toml::<MeshSettings>(&comment(LONGEST_TOML + 1)).unwrap_err();
         assert!(told.to_string().contains("1048577 bytes"), "{told}");
+    }
+
+    #[test]
+    fn an_unknown_key_is_told_with_what_is_meant() {
+        for (text, told) in [
+            (
+                "max_deviation = 1",
+                "line 1: unknown field `max_deviation`: did you mean `max-deviation`?",
+            ),
+            (
+                "panles = 3",
+                "line 1: unknown field `panles`: did you mean `panels`?",
+            ),
+            (
+                "min-edge = 1",
+                "line 1: unknown field `min-edge`: `min-edge` belongs in the table [limits]",
+            ),
+            (
+                "[limits]\npanels = 1",
+                "line 2: limits.panels: unknown field `panels`: `panels` belongs above all tables",
+            ),
+            (
+                "[limits]\nmax-panle = '1x2m'",
+                "line 2: limits.max-panle: unknown field `max-panle`: did you mean `max-panel`?",
+            ),
+        ] {
+            let error = MeshSettings::from_toml(text).unwrap_err();
+            assert_eq!(error.to_string(), told);
+        }
+        let far = MeshSettings::from_toml("xyz = 1").unwrap_err().to_string();
+        assert!(
+            far.contains("unknown field `xyz`, expected one of"),
+            "{far}"
+        );
     }
 
     #[test]

@@ -4,7 +4,7 @@ use crate::limits::{VariantLimits, memory_limit};
 use crate::solve::SolveOptions;
 use crate::variant::Variant;
 use crate::workshop::Workshop;
-use phex_job::{JobError, MeshSettings, from_json, from_toml, read_text, time_limit};
+use phex_job::{JobError, MeshSettings, from_toml, read_text, time_limit};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -162,7 +162,7 @@ impl StudyFile {
 /// The settings that a table of the file gives.
 fn settings_of(table: &str, settings: &Map<String, Value>) -> Result<MeshSettings, JobError> {
     let told = |e| JobError::Input(format!("[{table}]: {e}"));
-    from_json(json!(settings)).map_err(told)
+    MeshSettings::from_json(json!(settings)).map_err(told)
 }
 
 /// A setting and its values: names of tables and the setting, each value.

@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 
 /// What panels are cut from; plain numbers of sheets are millimetres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub struct Workshop {
     /// Thickness of the panels, in model units or with a unit.
     pub thickness: Quantity,
@@ -16,7 +16,7 @@ pub struct Workshop {
     #[serde(default)]
     pub sheet: SheetSize,
     /// Rounds of exchanges that make sheets fuller; 0 is fast, 60 what `phex fab` does.
-    #[serde(default)]
+    #[serde(default, alias = "nest_effort")]
     pub nest_effort: u32,
 }
 
@@ -61,4 +61,25 @@ fn made(
     ];
     let column = |(name, figure): (&str, &str)| (name.to_owned(), summary[figure].clone());
     Ok(columns.into_iter().map(column).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_hyphenated_and_older_files_are_read() {
+        let effort = |key: &str| {
+            let text = format!("{{ \"thickness\": \"20mm\", \"{key}\": 7 }}");
+            serde_json::from_str::<Workshop>(&text).map(|w| w.nest_effort)
+        };
+        assert_eq!(effort("nest-effort").unwrap(), 7);
+        assert_eq!(effort("nest_effort").unwrap(), 7);
+        let written = serde_json::to_string(&Workshop {
+            thickness: "20mm".parse().unwrap(),
+            sheet: SheetSize::default(),
+            nest_effort: 7,
+        });
+        assert!(written.unwrap().contains("\"nest-effort\":7"));
+    }
 }

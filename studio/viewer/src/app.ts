@@ -29,6 +29,13 @@ const CLOSE_UP = 5;
 /** Names of the Gauss images: by what touches the unit sphere. */
 const GAUSS_IMAGES = ["Gauss image: faces touch", "Gauss image: edges touch", "Gauss image: vertices on"];
 
+/** What is chosen of what can be shown: a map, layers that were switched, and where the offset is. */
+export interface Choice {
+  map: string;
+  layers: Map<string, boolean>;
+  offset: string | null;
+}
+
 export class App {
   private readonly world = new Group();
   private readonly life = new AbortController();
@@ -47,6 +54,12 @@ export class App {
   private current: Facts["maps"][number];
   private shownMesh = "after";
   private readonly onSurface: Object3D[] = [];
+  /** Layers that were switched, and the place of the offset. */
+  private readonly switched = new Map<string, boolean>();
+  private offsetAt: string | null = null;
+  private restoring = false;
+  /** The map that is wanted, which a result may not have. */
+  private wished = "";
 
   /** Shows data in the parts of a page; the eye stays where it is if it is to. */
   constructor(
@@ -111,6 +124,29 @@ export class App {
     this.zoom(face);
   }
 
+  /** The map, and the layers that were switched, by which another result can be shown. */
+  get choice(): Choice {
+    return { map: this.wished, layers: new Map(this.switched), offset: this.offsetAt };
+  }
+
+  /** Shows what was chosen for another result, as far as this one has it; the eye stays where it is. */
+  restore(choice: Choice): void {
+    this.restoring = true;
+    this.show(choice.map);
+    // What this result does not have may come back with the next.
+    for (const [name, on] of choice.layers) this.switched.set(name, on);
+    const slider = this.part("layers").querySelector<HTMLInputElement>("[data-offset]");
+    if (slider && choice.offset !== null) {
+      slider.value = choice.offset;
+      slider.dispatchEvent(new Event("input"));
+    }
+    for (const [name, on] of choice.layers) {
+      const box = this.part("layers").querySelector<HTMLInputElement>(`[data-layer="${name}"]`);
+      if (box && !box.disabled && box.checked !== on) box.click();
+    }
+    this.restoring = false;
+  }
+
   /** Dims or shows everything. */
   set visible(on: boolean) {
     this.world.visible = on;
@@ -134,6 +170,7 @@ export class App {
 
   /** Colours the panels by a map. */
   private show(name: string): void {
+    this.wished = name;
     this.current = this.facts.maps.find(({ map }) => map.name === name) ?? this.current;
     const { map, values } = this.current;
     const plain = map.element === "edge";
@@ -144,7 +181,7 @@ export class App {
     this.start?.colour(map.name === "planarity" ? (v) => colour(map.scale, v) : null);
     this.explain();
     for (const choose of this.part("maps").querySelectorAll<HTMLElement>("[data-map]")) {
-      choose.setAttribute("aria-pressed", String(choose.dataset.map === name));
+      choose.setAttribute("aria-pressed", String(choose.dataset.map === map.name));
     }
     this.stage.draw();
   }
@@ -189,7 +226,7 @@ export class App {
       }
       if (object) object.visible = on;
       this.part("layers").querySelector(`[data-more="${name}"]`)?.toggleAttribute("hidden", !on);
-      after?.();
+      if (!this.restoring) after?.();
     };
     this.layer(name, label, false, act, data === null, reason);
     if (name === "offset" && data !== null && this.packed.gauss) this.part("layers").append(this.offsetSlider(this.packed.gauss));
@@ -207,6 +244,7 @@ export class App {
     box.checked = on;
     box.disabled = missing;
     box.addEventListener("change", () => {
+      this.switched.set(name, box.checked);
       act(box.checked);
       this.stage.draw();
     });
@@ -229,7 +267,7 @@ export class App {
   private makeGauss(directions: PackedArray, side: number): Object3D {
     const image = new GaussImage(this.facts.mesh, directions, this.model, side);
     this.gauss.push(image);
-    this.show(this.current.map.name);
+    this.show(this.wished);
     return image.group;
   }
 
@@ -247,6 +285,7 @@ export class App {
     const said = h("output", {});
     slider.addEventListener("input", () => {
       const distance = Number(slider.value);
+      this.offsetAt = slider.value;
       said.textContent = `${figure(distance)} ${this.packed.unit}`;
       this.offset?.setDistance(distance);
       this.stage.draw();

@@ -89,9 +89,15 @@ function sideTable(facts: Facts, face: number, go: (face: number) => void): HTML
 export function shown(map: PackedMap, value: number): string {
   if (Number.isNaN(value)) return "–";
   if ("classes" in map.scale) return say(map.scale.classes[value]?.label ?? "–");
-  const percent = map.name === "deviation" ? ` ${say("% of diagonal")}` : "";
-  return figure(value) + percent;
+  const unit = LIMITS.has(map.name) ? "of the limit used" : UNITS[map.name];
+  return figure(value) + (unit === undefined ? "" : ` ${say(unit)}`);
 }
+
+/** Maps of how near a panel is to a limit of a workshop, 1 at it. */
+const LIMITS = new Set(["max-panel", "min-edge", "max-edge", "min-angle", "max-area", "max-aspect", "min-dihedral", "max-dihedral"]);
+
+/** What follows a value of other maps. */
+const UNITS: Record<string, string> = { deviation: "% of diagonal", "panel-area": "mean areas" };
 
 function link(packed: Packed, face: number, go: (face: number) => void): HTMLElement {
   const open = h("button", { type: "button", class: "link" }, panelName(packed, face));

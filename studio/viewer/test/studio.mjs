@@ -352,11 +352,11 @@ async function wrongValuesAreToldByTheirField() {
   assert.ok(!(await page.isVisible(".earlier")));
   await page.$$eval("details.group", (groups) => groups.forEach((group) => (group.open = true)));
   const staysTold = async (notice) => {
-    assert.match(await text(page, ".status"), notice);
+    assert.match(await text(page, ".status .text"), notice);
     assert.ok(await page.isVisible(".earlier"), "the files are said to be of the run before");
     const [download] = await Promise.all([page.waitForEvent("download"), page.click('[data-file="mesh.obj"]')]);
     assert.equal(download.suggestedFilename(), "Dach-Süd-phex.obj");
-    assert.match(await text(page, ".status"), notice);
+    assert.match(await text(page, ".status .text"), notice);
     assert.ok(await page.isVisible(".status"));
   };
   for (const [name, value, told] of [
@@ -498,6 +498,36 @@ async function theKeyboardIsEnough() {
   await leave(page);
 }
 
+/** A map and layers that were chosen stay through runs and languages, a problem can be closed, and advice names rows. */
+async function whatIsChosenStays() {
+  const page = await visit();
+  await small(page);
+  await page.click('[data-map="deviation"]');
+  await page.click('[data-layer="ids"]');
+  const seen = () =>
+    page.evaluate(() => [document.querySelector('[data-map][aria-pressed="true"]').dataset.map, document.querySelector('[data-layer="ids"]').checked]);
+  await set(page, "panels", "90");
+  await verdict(page);
+  assert.deepEqual(await seen(), ["deviation", true]);
+  await page.click('[data-act="language"]');
+  assert.deepEqual(await seen(), ["deviation", true]);
+  await page.click('[data-act="language"]');
+  await set(page, "max-deviation", "minus");
+  await page.click('.status [data-act="close"]');
+  assert.ok(!(await page.isVisible(".status")));
+  await set(page, "max-deviation", "0.01%");
+  await verdict(page);
+  const advice = await text(page, ".advice");
+  assert.match(advice, /“Adaptivity”/);
+  assert.doesNotMatch(advice, /--/);
+  // The number of panels follows from a limit where none is given.
+  await page.locator(".group summary", { hasText: "Limits of a workshop" }).click();
+  await set(page, "panels", "");
+  await set(page, "limits.max-area", "5");
+  assert.equal(await page.getAttribute('[data-setting="panels"] input[type="text"]', "placeholder"), "from the limits");
+  await leave(page);
+}
+
 /** Whatever the window, nothing is wider than it, and nothing that is there to be clicked lies below something else. */
 async function windowsOfAnySize() {
   const page = await visit();
@@ -507,6 +537,8 @@ async function windowsOfAnySize() {
     for (const [width, height] of [[360, 740], [390, 844], [844, 390], [768, 1024], [1024, 768], [1100, 700], [1280, 800]]) {
       await page.setViewportSize({ width, height });
       await page.evaluate(() => scrollTo(0, 0));
+      // What went wrong may be long, and covers nothing either.
+      await studio(page, `(s) => s.say("panel P0001 does not fit on the sheet, ".repeat(20), "problem")`);
       const found = await page.evaluate(() => {
         const covered = (element) => {
           const { left, width, top, height } = element.getBoundingClientRect();
@@ -582,6 +614,7 @@ const TESTS = [
   badFilesAreRefused,
   germanAndDark,
   theKeyboardIsEnough,
+  whatIsChosenStays,
   windowsOfAnySize,
   theProgramIsKilled,
 ];

@@ -51,12 +51,8 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
     table += &summary::of_verdict(report.verdict);
     tell(command.talk.quiet || command.json, &table)?;
     report.statistics = json!({ "indicatrix": indicatrix });
-    if dropped > 0 {
-        let belong = match dropped {
-            1 => "1 vertex belongs".to_owned(),
-            n => format!("{n} vertices belong"),
-        };
-        let note = format!("{belong} to no face; vertex ids count the others");
+    let doubt = limits.unit.doubted(mesh.diagonal());
+    for note in without_face(dropped).into_iter().chain(doubt) {
         Reporter::new(&command.talk).note(&note);
         report.notes.push(note);
     }
@@ -76,6 +72,16 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
         output::print(&report.to_json().context("the report")?)?;
     }
     Ok(Exit::of_check(report.verdict == Verdict::Pass))
+}
+
+/// What is said of vertices that belong to no face.
+fn without_face(dropped: usize) -> Option<String> {
+    let belong = match dropped {
+        0 => return None,
+        1 => "1 vertex belongs".to_owned(),
+        n => format!("{n} vertices belong"),
+    };
+    Some(format!("{belong} to no face; vertex ids count the others"))
 }
 
 /// The files that a check read.

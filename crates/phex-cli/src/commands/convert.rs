@@ -4,7 +4,9 @@ use super::tell;
 use crate::args::ConvertCommand;
 use crate::exit::{Exit, Failure};
 use crate::output::{check_writable, write_mesh};
+use crate::progress::Reporter;
 use phex_job::{Content, MeshFile};
+use phex_mesh::io::Format;
 
 /// Runs the command.
 ///
@@ -13,6 +15,10 @@ use phex_job::{Content, MeshFile};
 pub fn run(command: &ConvertCommand) -> Result<Exit, Failure> {
     check_writable(&[(&command.output, Content::Mesh)], &[&command.input])?;
     let file = MeshFile::read(&command.input)?;
+    let in_metres = Format::from_path(&command.output).is_ok_and(Format::is_in_metres);
+    if let Some(note) = file.doubted(command.unit).filter(|_| in_metres) {
+        Reporter::new(&command.talk).note(note);
+    }
     write_mesh(&command.output, &file.soup, command.unit)?;
     let (vertices, faces) = (file.record.vertices, file.record.faces);
     tell(

@@ -6,6 +6,7 @@ use crate::exit::{Exit, Failure};
 use crate::output;
 use crate::summary::SummaryTable;
 use anyhow::Context;
+use phex::quality::told_place;
 use phex_job::{
     ComponentInfo, FileInfo, MeshFile, Quantity, Suggestion, SurfaceKind, Unit, four_digits,
 };
@@ -143,8 +144,23 @@ fn table(info: &FileInfo, unit: Unit) -> String {
     }
     if let Some(problem) = &info.problem {
         table.row("PROBLEM", problem);
+        if let Some(place) = place(info) {
+            table.row("", place);
+        }
     }
     table.into_text()
+}
+
+/// Where the problem is.
+fn place(info: &FileInfo) -> Option<String> {
+    let named = info.problem_at.iter().take(LISTED);
+    let places: Vec<String> = named.copied().map(told_place).collect();
+    let more = match info.problem_at.len().saturating_sub(LISTED) {
+        0 => String::new(),
+        n => format!(" and {n} more"),
+    };
+    let told = places.join(", ");
+    (!places.is_empty()).then(|| format!("at {told}{more}; vertices and faces are counted from 0"))
 }
 
 fn faces_by_size(info: &FileInfo) -> String {

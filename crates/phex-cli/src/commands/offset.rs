@@ -13,7 +13,7 @@ use super::{tell, use_threads};
 use crate::exit::{Exit, Failure};
 use crate::offset_arguments::{Kind, OffsetCommand};
 use crate::output::{check_writable, given, write_text};
-use crate::progress::check_interruption;
+use crate::progress::{Reporter, check_interruption};
 use base::{Base, OffsetLayer};
 use files::Files;
 use phex::offset::OffsetOptions;
@@ -31,6 +31,9 @@ pub fn run(command: &OffsetCommand) -> Result<Exit, Failure> {
     use_threads(command.threads)?;
     let input = MeshFile::read(&command.input)?;
     let (given, _) = input.polygon_mesh()?;
+    if let Some(note) = command.unit.doubted(given.diagonal()) {
+        Reporter::new(&command.talk).note(note);
+    }
     let job = OffsetJob::new(command, &given)?;
     let files = Files::plan(command, &job.distances)?;
     let outputs = files.outputs();

@@ -45,8 +45,8 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
     let mut report = report(assessment, &limits, &how, &reached);
     report.threads = threads;
     report.inputs = files.records();
+    notes.iter().for_each(|note| reporter.note(note));
     report.notes.extend(notes);
-    report.notes.iter().for_each(|note| reporter.note(note));
     let shown = Shown {
         surface: facets.as_ref(),
         start: reached.start.as_ref(),

@@ -21,7 +21,7 @@ pub fn run(command: &ReportCommand) -> Result<Exit, Failure> {
         .judged_by
         .inputs(given([Some(&command.input), command.before.as_ref()]));
     command.judged_by.check()?;
-    check_writable(&[(&command.html, Content::Other)], &inputs)?;
+    check_writable(&[(&command.html, Content::Page)], &inputs)?;
     let file = MeshFile::read(&command.input)?;
     let before = command.before.as_deref().map(MeshFile::read).transpose()?;
     if let Some(before) = &before {

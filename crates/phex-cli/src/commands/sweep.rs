@@ -149,7 +149,7 @@ fn collected(arguments: &CollectArguments) -> Result<Exit, Failure> {
     let told = |(name, bytes): &NamedFile| {
         let place = folder.join(name);
         format!(
-            "wrote      {} ({} kB)\n",
+            "written    {} ({} kB)\n",
             place.display(),
             bytes.len() / 1000
         )

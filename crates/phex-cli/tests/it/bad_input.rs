@@ -264,6 +264,21 @@ fn unknown_extensions() {
         &["out.xyz", "unknown extension"],
     );
     refused_as_is(&shop, "convert a.obj out", &["unknown extension"]);
+    refused_as_is(
+        &shop,
+        "mesh a.obj -o out.obj --png a.jpg",
+        &["a.jpg", "pictures are written as .png"],
+    );
+    for command in [
+        "mesh a.obj -o out.obj --html a.png",
+        "report a.obj --html a.png",
+        "check a.obj --html a.png",
+    ] {
+        refused_as_is(&shop, command, &["a.png", "pages are written as .html"]);
+    }
+    std::fs::create_dir(shop.path("folder")).unwrap();
+    shop.phex("mesh a.obj -o folder")
+        .refuses(4, &["folder can't be written: it is a folder"]);
 }
 
 #[test]
@@ -421,6 +436,23 @@ fn settings_that_are_not_finite_or_out_of_range() {
     shop.write("job.toml", "[steering]\ncentres = -1\n");
     let job = "planarize a.obj -o out.obj --config job.toml";
     refused_as_is(&shop, job, &["centres", "must be"]);
+}
+
+#[test]
+fn negative_values_are_refused_by_what_they_may_be() {
+    let shop = with_square("a.obj");
+    for (option, value) in [
+        ("-n", "-5"),
+        ("--repeat", "-3mm"),
+        ("--edge-length", "-1m"),
+        ("--max-panel", "-1x2m"),
+        ("--max-aspect", "-2"),
+    ] {
+        shop.phex(&format!("mesh a.obj -o out.obj {option} {value}"))
+            .refuses(2, &[&format!("invalid value '{value}'")]);
+    }
+    shop.phex("fab a.obj -o out --thickness -5mm")
+        .refuses(2, &["invalid value '-5mm'"]);
 }
 
 #[test]

@@ -307,6 +307,8 @@ fn info_says_what_is_wrong() {
         "{}",
         run.stdout
     );
+    let place = "at (0, 0, 0), (1, 0, 0); vertices and faces are counted from 0";
+    assert!(run.stdout.contains(place), "{}", run.stdout);
 }
 
 #[test]
@@ -366,7 +368,7 @@ fn report_is_one_file_that_names_the_command() {
     let judged = shop.phex("report flat.obj --html flat.html --limits job.toml");
     assert_eq!(judged.code, Some(3), "{}", judged.stderr);
     let html = String::from_utf8(shop.read("flat.html")).unwrap();
-    assert!(html.contains("Outside tolerance") && html.contains("Largest edge"));
+    assert!(html.contains("Outside tolerance") && html.contains("Longest edge"));
     std::fs::remove_file(shop.path("job.toml")).unwrap();
     assert_eq!(
         shop.files(),
@@ -390,6 +392,27 @@ fn info_tells_sizes_in_their_unit() {
     let run = shop.phex("mesh roof.obj -o out.obj --max-area 2 --unit mm");
     let told = ["max-area asks for", "mm across", "is the unit right"];
     run.refuses(4, &told);
+    let said = shop.phex("mesh roof.obj -o out.obj --edge-length 1.2m");
+    said.refuses(4, &["panels would be needed", "with --unit mm it is"]);
+    for (command, doubts) in [
+        ("mesh roof.obj -n 20 --effort draft -o out.obj", true),
+        (
+            "mesh roof.obj -n 20 --effort draft -o out.obj --unit mm",
+            false,
+        ),
+        ("check roof.obj", true),
+        ("check roof.obj --unit mm", false),
+        ("offset roof.obj --distance 1mm -o layers", true),
+        ("convert roof.obj out.glb", true),
+        ("convert roof.obj out.ply", false),
+    ] {
+        let told = shop.phex(command).stderr;
+        assert_eq!(
+            told.contains("is its unit right"),
+            doubts,
+            "{command}: {told}"
+        );
+    }
     let run = shop.phex("offset roof.obj --distance 0 --solids -o layers");
     run.refuses(2, &["--distance 0 is the mesh itself", "--solids"]);
 }

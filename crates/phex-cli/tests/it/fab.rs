@@ -294,7 +294,12 @@ fn a_thickness_past_the_safe_offset_names_panels_and_the_safe_one() {
         &shop,
         "fab m.obj --thickness 0.6 --sheet 5000x5000 -o out",
         5,
-        &["panels P000", "largest safe thickness", "0.47"],
+        &[
+            "panels P000",
+            "largest safe thickness",
+            "0.47",
+            "(model units)",
+        ],
     );
     shop.succeed("fab m.obj --thickness 0.1 --sheet 5000x5000 -o out");
     let panels = table(&shop, "out/panels.csv");

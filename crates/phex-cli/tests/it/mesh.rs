@@ -32,7 +32,7 @@ fn surface_becomes_a_mesh_that_check_passes() {
     assert_eq!(report["verdict"], "pass");
     assert_eq!(report["inputs"][0]["sha256"].as_str().unwrap().len(), 64);
     assert_eq!(report["settings"]["panels"], 80);
-    assert_eq!(report["outputs"].as_array().unwrap().len(), 4);
+    assert_eq!(report["outputs"].as_array().unwrap().len(), 5);
     assert!(report["measures"]["planarity"]["max"].as_f64().unwrap() <= 1e-12);
     assert!(
         report["deviation_smooth"]["deviation_max"]
@@ -45,6 +45,41 @@ fn surface_becomes_a_mesh_that_check_passes() {
 
     shop.succeed("check out/dome.obj --surface smooth.ply");
     shop.succeed("check out/dome.obj --surface dome.obj --max-deviation 1%");
+}
+
+/// Rows of triangles of which every second one is moved by half of one: two sides are zigzags.
+fn toothed() -> String {
+    let n = 24;
+    let corner = |k: usize| {
+        let (row, x) = (k / n, (k % n) as f64 + 0.5 * (k / n % 2) as f64);
+        let y = row as f64 * 0.75_f64.sqrt();
+        let z = ((x - 12.0).powi(2) + (y - 10.0).powi(2)) / 120.0;
+        format!("v {x} {y} {z}\n")
+    };
+    let faces = (0..n * n).filter(|k| k % n < n - 1 && k / n < n - 1);
+    let halves = |k: usize| {
+        let [a, b, c, d] = [k + 1, k + 2, k + n + 1, k + n + 2];
+        match k / n % 2 {
+            0 => format!("f {a} {b} {c}\nf {b} {d} {c}\n"),
+            _ => format!("f {a} {b} {d}\nf {a} {d} {c}\n"),
+        }
+    };
+    (0..n * n).map(corner).chain(faces.map(halves)).collect()
+}
+
+/// What is noted on the way stands in the report, too.
+#[test]
+fn the_report_has_the_notes_of_the_run() {
+    let shop = Workshop::new();
+    shop.write("teeth.obj", toothed());
+    let run = shop.phex("mesh teeth.obj -n 60 --effort draft -o out.obj --report run.json");
+    assert!(
+        run.stderr.contains("the boundary has teeth"),
+        "{}",
+        run.stderr
+    );
+    let notes = shop.json("run.json")["notes"].to_string();
+    assert!(notes.contains("the boundary has teeth"), "{notes}");
 }
 
 #[test]

@@ -12,6 +12,19 @@
   const MARK = "#d5481f", FRONT = "#1f7ad5", REST = "#8883";
   /** Figures of which more is better; of all others less is. */
   const MORE = new Set(["out:clearance", "out:hexagons", "out:least-angle", "out:sheet-use"]);
+  const UNIT = study.columns.indexOf("in:unit");
+  const lengths = new Set(study.rows.map((row) => UNIT < 0 ? "m" : String(row[UNIT] ?? "m")));
+  /** Units of figures; of lengths that of the models, if all have one. @type {Record<string, string>} */
+  const UNITS = {
+    "in:rotate": "°",
+    "out:clearance": "mean edges",
+    "out:deviation": "%",
+    "out:hexagons": "%",
+    "out:least-angle": "°",
+    "out:mean-edge": lengths.size === 1 ? [...lengths][0] : "model units",
+    "out:planarity": "mean edges",
+    "out:sheet-use": "%",
+  };
   /** Columns that are no axis. */
   const NO_AXIS = new Set(["img", "threeD", "key", "out:mesh", "out:reason", "out:exit"]);
 
@@ -52,7 +65,7 @@
   }
 
   /** @param {string} name */
-  const short = (name) => name.replace(/^in:/, "in ").replace(/^out:/, "");
+  const short = (name) => name.replace(/^in:/, "in ").replace(/^out:/, "") + (UNITS[name] ? `, ${UNITS[name]}` : "");
   const all = study.columns.map((name, k) => NO_AXIS.has(name) ? null : axis(k));
   const axes = all.filter((a) => a !== null);
   const numeric = axes.filter((a) => a.numeric);

@@ -136,12 +136,16 @@ pub enum OffsetError {
         components: usize,
     },
     /// The gap leaves nothing of a panel, or makes it touch itself.
-    #[error("a joint gap of {gap} is too wide for face {face}")]
+    #[error(
+        "a joint gap of {gap} is too wide for face {face}; the largest that every panel has room for is {most} (model units)"
+    )]
     Gap {
         /// The face.
         face: FaceId,
         /// The gap, in model units.
         gap: f64,
+        /// The largest gap that every panel has room for, about; not more.
+        most: f64,
     },
     /// The gap is negative, infinite or not a number.
     #[error("the joint gap must be finite and at least 0, not {gap}")]

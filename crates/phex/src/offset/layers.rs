@@ -195,3 +195,30 @@ fn narrowed(
         limit: Some(limit),
     }
 }
+
+/// A positive length with five digits, never more than it is.
+pub fn rounded_down(length: f64) -> f64 {
+    if length <= 0.0 || !length.is_finite() {
+        return length;
+    }
+    let digits = 4 - length.log10().floor() as i32;
+    let scale = 10f64.powi(digits.abs());
+    if digits >= 0 {
+        (length * scale).floor() / scale
+    } else {
+        (length / scale).floor() * scale
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rounded_down;
+
+    #[test]
+    fn five_digits_and_never_more() {
+        assert_eq!(rounded_down(0.473_689_9), 0.47368);
+        assert_eq!(rounded_down(1_234_567.0), 1_234_500.0);
+        assert_eq!(rounded_down(0.001_299_999), 0.0012999);
+        assert_eq!(rounded_down(f64::INFINITY), f64::INFINITY);
+    }
+}

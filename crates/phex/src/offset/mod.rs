@@ -87,7 +87,9 @@ pub use face_offset::{FaceOffset, face_gauss_image, face_normals, face_offset};
 pub use fit::{FitError, FitOptions, FitStart, Fitted, fit_parallel};
 pub use gauss_image::{GaussImage, OffsetKind, TurnedEdge};
 pub use inheritance::Inheritance;
-pub use layers::{SafeDistance, SafeDistances, layer, safe_distances, safe_distances_up_to};
+pub use layers::{
+    SafeDistance, SafeDistances, layer, rounded_down, safe_distances, safe_distances_up_to,
+};
 pub use null_space::Rank;
 pub use options::OffsetOptions;
 pub use signs::{EdgeSigns, SIGNED_FAIRNESS, SignError};

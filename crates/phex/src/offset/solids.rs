@@ -11,6 +11,7 @@
 
 use super::OffsetError;
 use super::face_offset::face_normals;
+use super::layers::rounded_down;
 use phex_mesh::polygon::is_simple;
 use phex_mesh::{FaceId, FlatFace, HalfEdgeId, HexMesh, PolygonSoup, Topology, Vec3};
 
@@ -111,12 +112,18 @@ pub fn panel_solids(
         return Err(OffsetError::BadGap { gap });
     }
     let normals = [face_normals(lower)?, face_normals(upper)?];
+    let sides = |face: FaceId, gap: f64| {
+        let bottom = inset(lower, face, &normals[0][face], gap)?;
+        Some((bottom, inset(upper, face, &normals[1][face], gap)?))
+    };
+    let fits = |gap: f64| lower.topology().faces().all(|f| sides(f, gap).is_some());
     let solid = |face| {
-        let solid = PanelSolid {
+        let (bottom, top) = sides(face, gap).ok_or_else(|| OffsetError::Gap {
             face,
-            bottom: inset(lower, face, &normals[0][face], gap)?,
-            top: inset(upper, face, &normals[1][face], gap)?,
-        };
+            gap,
+            most: rounded_down(largest_gap(gap, fits)),
+        })?;
+        let solid = PanelSolid { face, bottom, top };
         let volume = solid.volume();
         if volume > 0.0 {
             Ok(solid)
@@ -127,10 +134,32 @@ pub fn panel_solids(
     lower.topology().faces().map(solid).collect()
 }
 
-/// Corners of a face after its interior edges have moved inwards by half the gap.
-fn inset(mesh: &HexMesh, face: FaceId, normal: &Vec3, gap: f64) -> Result<Vec<Vec3>, OffsetError> {
+/// Share of itself that the largest gap is found to, and steps after which it is left at 0.
+const GAP_SHARE: f64 = 1e-4;
+const GAP_STEPS: usize = 60;
+
+/// The largest gap below one that is too wide, by bisection; one that fits.
+fn largest_gap(too_wide: f64, fits: impl Fn(f64) -> bool) -> f64 {
+    let (mut low, mut high) = (0.0, too_wide);
+    for _ in 0..GAP_STEPS {
+        if high - low <= GAP_SHARE * low {
+            break;
+        }
+        let middle = 0.5 * (low + high);
+        if fits(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+/// Corners of a face after its interior edges have moved inwards by half the gap; `None` if that
+/// leaves nothing of it, or makes it touch itself.
+fn inset(mesh: &HexMesh, face: FaceId, normal: &Vec3, gap: f64) -> Option<Vec<Vec3>> {
     if gap == 0.0 {
-        return Ok(mesh.corners(face).collect());
+        return Some(mesh.corners(face).collect());
     }
     let topology = mesh.topology();
     let half_edges: Vec<HalfEdgeId> = topology.face_half_edges(face).collect();
@@ -144,11 +173,7 @@ fn inset(mesh: &HexMesh, face: FaceId, normal: &Vec3, gap: f64) -> Result<Vec<Ve
         let new = corners[(k + 1) % corners.len()] - corners[k];
         new.dot(&direction(mesh, topology, h)) > 0.0
     });
-    if forward && is_simple(&FlatFace::new(&corners).polygon) {
-        Ok(corners)
-    } else {
-        Err(OffsetError::Gap { face, gap })
-    }
+    (forward && is_simple(&FlatFace::new(&corners).polygon)).then_some(corners)
 }
 
 /// Inward unit normal of an edge in the plane of its face, and how far the edge moves along it.

@@ -66,6 +66,36 @@ pub(super) fn with_advice(
     checks.into_iter().map(advised).collect()
 }
 
+/// Checks that fewer panels help, and those that more of them help; each with its limit.
+const FEWER: [(&str, &str); 2] = [("min_edge", "min-edge"), ("max_dihedral", "max-dihedral")];
+const MORE_OF: [(&str, &str); 6] = [
+    ("deviation", "max-deviation"),
+    ("coverage_inner", "max-deviation"),
+    ("max_panel", "max-panel"),
+    ("max_edge", "max-edge"),
+    ("max_area", "max-area"),
+    ("min_dihedral", "min-dihedral"),
+];
+
+/// Which limits contradict each other: those that fail and ask for fewer panels, and those that ask
+/// for more. `None` where all that fail ask for the same.
+pub fn contradiction(checks: &[Check]) -> Option<String> {
+    let fails = |name: &str| checks.iter().any(|c| !c.pass && c.name == name);
+    let asks = |limits: &[(&str, &'static str)]| {
+        let mut failing: Vec<&str> = (limits.iter().filter(|l| fails(l.0)))
+            .map(|l| l.1)
+            .collect();
+        failing.dedup();
+        let verb = if failing.len() == 1 { "asks" } else { "ask" };
+        let told = format!("{} {verb}", failing.join(" and "));
+        (!failing.is_empty()).then_some(told)
+    };
+    let (fewer, more) = (asks(&FEWER)?, asks(&MORE_OF)?);
+    Some(format!(
+        "limits contradict each other here: {fewer} for fewer panels, {more} for more; what helps the one harms the other, so one of them has to give"
+    ))
+}
+
 /// How many edges cross panels where the surface does, too, and how many do in all.
 fn count_crossings(
     mesh: &HexMesh,
@@ -148,6 +178,26 @@ mod tests {
         let mesh = HexMesh::new(places.clone(), &[[0, 2, 3, 1], [2, 4, 5, 3]]).unwrap();
         let triangles = [[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3]];
         (mesh, TriangleSurface::new(places, &triangles).unwrap())
+    }
+
+    #[test]
+    fn limits_that_ask_for_fewer_and_for_more_panels_contradict_each_other() {
+        use crate::quality::Scale;
+        let told = |failing: &[&'static str]| {
+            let checks = ["min_edge", "deviation", "coverage_inner", "max_panel"]
+                .map(|name| Check::new(name, [1.0, 2.0], Scale::Ratio, !failing.contains(&name)));
+            contradiction(&checks)
+        };
+        assert_eq!(told(&[]), None);
+        assert_eq!(told(&["min_edge"]), None);
+        assert_eq!(told(&["deviation", "max_panel"]), None);
+        let both = told(&["min_edge", "deviation", "coverage_inner", "max_panel"]).unwrap();
+        assert!(
+            both.contains(
+                "min-edge asks for fewer panels, max-deviation and max-panel ask for more"
+            ),
+            "{both}"
+        );
     }
 
     #[test]

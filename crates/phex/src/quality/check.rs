@@ -53,6 +53,10 @@ pub struct Reading {
     pub limit: f64,
     /// The figure.
     pub value: f64,
+    /// For a sheet, of which the two are the shorter sides, its longer side and that of the least
+    /// sheet of its proportions that holds every panel.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub across: Option<[f64; 2]>,
 }
 
 /// A figure, its limit, and the elements that exceed it.

@@ -26,7 +26,9 @@ mod judge;
 mod limits;
 mod merit;
 mod panel_checks;
+mod told;
 
+pub use advice::contradiction;
 pub use assessment::{Assessment, Omitted, Reason, References, Verdict};
 pub use check::{Check, ElementKind, Reading, Scale};
 pub use defect::{Defect, defects};
@@ -34,3 +36,4 @@ pub use findings::Findings;
 pub use judge::{Judge, Judgement, Scope, Shapes, WantedSize, Yardstick};
 pub use limits::{Limits, USUAL_DEVIATION};
 pub use merit::Merit;
+pub use told::told_place;

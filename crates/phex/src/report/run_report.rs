@@ -1,7 +1,7 @@
 //! The JSON report of a run.
 
 use super::FeatureSizes;
-use crate::quality::{Assessment, Check, Omitted, Verdict};
+use crate::quality::{Assessment, Check, Omitted, Verdict, contradiction};
 use crate::repetition::Repetition;
 use phex_mesh::measure::{BoundaryFit, Deviation, MeshMeasures};
 use phex_mesh::validate::Violation;
@@ -132,7 +132,8 @@ impl RunReport {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn new(command: &'static str, assessment: Assessment) -> Self {
-        let notes = assessment.calm_line().into_iter().collect();
+        let told = [assessment.calm_line(), contradiction(&assessment.checks)];
+        let notes = told.into_iter().flatten().collect();
         Self {
             schema_version: SCHEMA_VERSION,
             tool: Tool::default(),

@@ -4,6 +4,7 @@ import { numbers } from "../data";
 import { area, button, figure, h } from "../dom";
 import { say } from "../words";
 import type { Check, Result } from "./server";
+import { inRows } from "./settings";
 
 const VERDICTS: Record<Result["verdict"], [string, string]> = {
   pass: ["pass", "Pass"],
@@ -80,13 +81,18 @@ function entry(check: Check, unit: string, visit: (face: number) => void): HTMLE
     go.className = "link";
     line.append(go);
   }
-  if (!check.pass && check.advice) line.append(h("p", { class: "advice" }, check.advice));
+  if (!check.pass && check.advice) line.append(h("p", { class: "advice" }, inRows(check.advice)));
   return line;
 }
 
 /** A check's figure beside its limit. */
 function reading(check: Check, unit: string): string {
-  if (check.reading) return `${figure(check.reading.value)} / ${figure(check.reading.limit)} ${check.reading.unit}`;
+  if (check.reading) {
+    const { value, limit, unit: typed, across } = check.reading;
+    // A sheet has two sides.
+    const [most, least] = across ? across.map((side) => ` × ${figure(side)}`) : ["", ""];
+    return `${figure(value)}${least} / ${figure(limit)}${most} ${typed}`;
+  }
   if (check.value_length !== null && check.limit_length !== null) return `${figure(check.value_length)} / ${figure(check.limit_length)} ${unit}`;
   return `${figure(check.value)} / ${figure(check.limit)}`;
 }

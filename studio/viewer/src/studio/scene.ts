@@ -18,7 +18,7 @@ import {
   Vector2,
   Vector3,
 } from "three";
-import { App } from "../app";
+import { App, type Choice } from "../app";
 import { floats, mesh, numbers, type Packed, type PackedMesh } from "../data";
 import { button } from "../dom";
 import type { Parts } from "../frame";
@@ -48,6 +48,8 @@ export interface Placed {
 export class View {
   readonly stage: Stage;
   app: App | null = null;
+  /** What was chosen to be seen of the last result. */
+  private choice: Choice | null = null;
   private readonly ground = new Group();
   private readonly panels = new Group();
   private readonly placed = new Group();
@@ -120,6 +122,7 @@ export class View {
     this.clearPanels();
     this.ground.visible = false;
     this.app = new App(packed, this.parts, this.stage, true);
+    if (this.choice) this.app.restore(this.choice);
     this.stage.fitLines(this.stage.scene);
     this.stage.draw();
     return this.app;
@@ -214,6 +217,7 @@ export class View {
   }
 
   private clearPanels(): void {
+    if (this.app) this.choice = this.app.choice;
     this.app?.dispose();
     this.app = null;
     clear(this.panels);

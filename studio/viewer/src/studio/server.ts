@@ -33,7 +33,8 @@ export interface Check {
   scale: string;
   value_length: number | null;
   limit_length: number | null;
-  reading: { unit: string; limit: number; value: number } | null;
+  /** Of a sheet, `limit` and `value` are the shorter sides, and `across` the longer ones. */
+  reading: { unit: string; limit: number; value: number; across?: [number, number] } | null;
   advice: string | null;
   faces: ArrayBuffer;
 }

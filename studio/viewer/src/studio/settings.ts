@@ -22,6 +22,8 @@ interface Setting {
   /** Whether a text may have commas, which elsewhere stand for decimals in one country and thousands in another. */
   commas?: boolean;
   whole?: boolean;
+  /** What decides where nothing is set and something else is, in place of the fallback. */
+  follows?: [string, string[]][];
 }
 
 interface Group {
@@ -60,6 +62,10 @@ export const GROUPS: Group[] = [
         fallback: "500",
         rest: 500,
         whole: true,
+        follows: [
+          ["from the edge length", ["edge-length"]],
+          ["from the limits", ["limits.max-panel", "limits.max-edge", "limits.max-area"]],
+        ],
         slider: { low: 20, high: 5000, step: 1, logarithmic: true },
       },
       {
@@ -313,6 +319,17 @@ export const GROUPS: Group[] = [
 
 const SETTINGS = GROUPS.flatMap(({ settings }) => settings);
 
+/** The last part of a setting's path, which is the name of its option. */
+const option = ({ path }: Setting): string => path.slice(path.lastIndexOf(".") + 1);
+
+/** A text of the program with the names of rows in place of options; a name without dashes stands for itself in sentences. */
+export function inRows(text: string): string {
+  return text.replace(/(?<![\w-])(--)?([a-z]+(?:-[a-z]+)*)(?![\w-])/g, (whole, dashes: string | undefined, name: string) => {
+    const setting = dashes || name.includes("-") ? SETTINGS.find((s) => option(s) === name) : undefined;
+    return setting ? `“${say(setting.label)}”` : whole;
+  });
+}
+
 /** What happens when something is changed: while it is, and when it is done. */
 export interface Listener {
   moving(): void;
@@ -443,6 +460,7 @@ export class Settings {
     box.append(label, h("span", { class: "field" }, field, unit));
     this.updates.push(() => {
       const value = this.state.get(setting.path);
+      field.placeholder = say(this.fallback(setting));
       if (document.activeElement !== field || value === undefined) field.value = value === undefined ? "" : String(value);
       field.setAttribute("aria-invalid", String(this.refused === setting || wrong(setting, value) !== null));
     });
@@ -457,6 +475,12 @@ export class Settings {
     const number = Number(clean);
     const kept = setting.whole ? WHOLE.test(clean) && Number.isSafeInteger(number) : Number.isFinite(number);
     return kept && !setting.text ? number : clean;
+  }
+
+  /** What holds where nothing is set. */
+  private fallback(setting: Setting): string {
+    const decides = setting.follows?.find(([, paths]) => paths.some((path) => this.state.get(path) !== undefined));
+    return decides?.[0] ?? setting.fallback;
   }
 
   private slider(setting: Setting, range: NonNullable<Setting["slider"]>): HTMLElement {
@@ -475,7 +499,8 @@ export class Settings {
     this.updates.push(() => {
       const set = this.state.get(setting.path);
       const at = typeof set === "number" ? set : (setting.rest ?? range.low);
-      slider.setAttribute("aria-valuetext", set === undefined ? say(setting.fallback) : `${figure(at)}${setting.unit ?? ""}`);
+      slider.classList.toggle("idle", set === undefined && this.fallback(setting) !== setting.fallback);
+      slider.setAttribute("aria-valuetext", set === undefined ? say(this.fallback(setting)) : `${figure(at)}${setting.unit ?? ""}`);
       if (document.activeElement !== slider || set === undefined) slider.value = String(toPlace(range, at));
     });
     return slider;

@@ -9,7 +9,7 @@ import { checkList, figureList, figures, verdictMark } from "./outcome";
 import { type Placed, type Theme, View } from "./scene";
 import * as server from "./server";
 import { Refusal, type Result, type RunFrame, type SurfaceFrame } from "./server";
-import { Settings } from "./settings";
+import { inRows, Settings } from "./settings";
 import { State, type Job } from "./state";
 
 type Point = [number, number, number];
@@ -524,7 +524,10 @@ export class Studio {
     cancel.dataset.act = "stop";
     const again = button(say("Run again"), say("Run again"), () => this.done());
     again.dataset.act = "again";
-    const more = kind === "running" ? [bar, cancel] : kind === "stopped" ? [again] : [];
+    const close = button("✕", say("Close"), () => this.say(""));
+    close.setAttribute("aria-label", say("Close"));
+    close.dataset.act = "close";
+    const more = kind === "running" ? [bar, cancel] : kind === "stopped" ? [again] : kind === "problem" ? [close] : [];
     const mark = this.view && (kind === "running" || kind === "preview") && this.view.previewed > 0 ? [h("b", { class: "preview-mark" }, say("Preview, not checked"))] : [];
     // The button under the pointer stays the same one while the text beside it changes.
     const stays = kind === "running" ? box.querySelector<HTMLElement>('[data-act="stop"]') : null;
@@ -553,7 +556,7 @@ export class Studio {
       const mark = h("span", { class: "verdict none-yet" }, say(shown ? "Preview, not checked" : "No result yet"));
       return box.replaceChildren(h("h2", {}, say("Result")), mark, ...(shown ? [figureList([["Panels", String(this.view.previewed)]])] : []));
     }
-    const notes = result.notes.map((note) => h("p", {}, note));
+    const notes = result.notes.map((note) => h("p", {}, inRows(note)));
     const more = notes.length > 0 ? [h("details", { class: "notes" }, h("summary", {}, notes.length === 1 ? say("one note") : say("{} notes", notes.length)), ...notes)] : [];
     box.replaceChildren(
       h("h2", {}, say("Result")),

@@ -7,7 +7,7 @@ use crate::progress::{Reporter, check_interruption};
 use phex::offset::{
     EdgeGaussImage, GaussImage, Inheritance, OffsetError, SafeDistances, SphericalMesh, TurnedEdge,
     angle_conditions, distance_error, edge_gauss_image, face_distance_error, face_offset, layer,
-    safe_distances, spherical_mesh, vertex_gauss_image,
+    rounded_down, safe_distances, spherical_mesh, vertex_gauss_image,
 };
 use phex::optimise::{
     AngleOptimised, AngleOptions, Fault, Offender, SurfaceTarget, Target, satisfy_angle_condition,
@@ -339,32 +339,5 @@ impl OffsetLayer {
             turned,
             mesh,
         }
-    }
-}
-
-/// A positive length with five digits, never more than it is.
-pub(super) fn rounded_down(length: f64) -> f64 {
-    if length <= 0.0 || !length.is_finite() {
-        return length;
-    }
-    let digits = 4 - length.log10().floor() as i32;
-    let scale = 10f64.powi(digits.abs());
-    if digits >= 0 {
-        (length * scale).floor() / scale
-    } else {
-        (length / scale).floor() * scale
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::rounded_down;
-
-    #[test]
-    fn five_digits_and_never_more() {
-        assert_eq!(rounded_down(0.473_689_9), 0.47368);
-        assert_eq!(rounded_down(1_234_567.0), 1_234_500.0);
-        assert_eq!(rounded_down(0.001_299_999), 0.0012999);
-        assert_eq!(rounded_down(f64::INFINITY), f64::INFINITY);
     }
 }

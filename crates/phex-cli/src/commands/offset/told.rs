@@ -1,10 +1,10 @@
 //! What `phex offset` says: the short table, and the report.
 
 use super::OffsetJob;
-use super::base::{Base, Motion, MovedVertices, OffsetLayer, Turned, rounded_down};
+use super::base::{Base, Motion, MovedVertices, OffsetLayer, Turned};
 use super::files::OffsetFile;
 use crate::summary::SummaryTable;
-use phex::offset::{SafeDistance, SafeDistances};
+use phex::offset::{SafeDistance, SafeDistances, rounded_down};
 use phex_mesh::Violation;
 use serde_json::{Value, json};
 
@@ -104,6 +104,9 @@ impl Told<'_> {
         }
         for content in self.contents {
             table.row("written", content.path().display());
+        }
+        if let Some(path) = &self.job.command.report {
+            table.row("written", path.display());
         }
         table.into_text()
     }

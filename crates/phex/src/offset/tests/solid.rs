@@ -114,7 +114,8 @@ fn wrong_gaps_and_layers_are_refused() {
     let mesh = cuboid(1.0, 1.0, 1.0);
     let [lower, upper] = layers(&mesh, 0.0, 0.1);
     let wide = panel_solids(&lower, &upper, 1.5).unwrap_err();
-    assert!(matches!(wide, OffsetError::Gap { gap: 1.5, .. }));
+    assert!(matches!(wide, OffsetError::Gap { gap: 1.5, most, .. } if most < 1.0 && most > 0.999));
+    assert!(wide.to_string().contains("(model units)"), "{wide}");
     let negative = panel_solids(&lower, &upper, -0.1).unwrap_err();
     assert_eq!(negative, OffsetError::BadGap { gap: -0.1 });
     let inside_out = panel_solids(&upper, &lower, 0.0).unwrap_err();
