@@ -51,10 +51,8 @@ pub enum ConeError {
     },
 }
 
-/// Distance, in panels, up to which opposite cones are cancelled by default, and in the second of
-/// two fields.
+/// Distance, in panels, up to which opposite cones are cancelled by default.
 const NEAR_REACH: f64 = 4.0;
-pub(crate) const FAR_REACH: f64 = 12.0;
 /// Opposite cones next to a cone with which it may cancel: on a surface of slivers there are
 /// thousands within reach.
 const NEAREST: usize = 16;

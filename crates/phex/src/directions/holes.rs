@@ -127,8 +127,8 @@ pub(crate) fn has_small_holes(surface: &TriangleSurface, length: &PerVertex<f64>
     FilledSurface::new(surface, &metric).is_some()
 }
 
-/// Gauss curvature of a disc that goes on smoothly from the rim of a hole, radians, by the theorem of
-/// Gauss and Bonnet: 0 for a hole in a plate, 2 pi for the end of a tube.
+/// Gauss curvature of a disc that goes on smoothly from the rim of a hole, radians, by the theorem
+/// of Gauss and Bonnet: 0 for a hole in a plate, 2 pi for the end of a tube.
 fn cap_curvature(surface: &TriangleSurface, rim: &[VertexId]) -> f64 {
     let topology = surface.topology();
     let angle_in = |v: VertexId, f: FaceId| {

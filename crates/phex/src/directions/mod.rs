@@ -61,6 +61,10 @@ use phex_numeric::NumericError;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_3;
 
+/// Distance, in panels, up to which opposite cones are cancelled in the second of two fields, in
+/// which rows keep their way along a whole mirror plane, too.
+pub(crate) const FAR_REACH: f64 = 12.0;
+
 /// How metric and field are made.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]

@@ -2,9 +2,8 @@
 //! diffusion-projection polish).
 
 use super::boundary::BoundaryFrame;
-use super::cones::FAR_REACH;
 use super::intrinsic::IntrinsicMesh;
-use super::{DirectionOptions, boundary, mirrors};
+use super::{DirectionOptions, FAR_REACH, boundary, mirrors};
 use crate::curvature::Principal;
 use nalgebra::{Complex, Matrix3};
 use phex_mesh::{EdgeId, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
