@@ -15,8 +15,11 @@ use crate::panel_size::{self, shares};
 use crate::portfolio::members;
 use crate::settings::{MeshSettings, TypedPanelSize};
 use crate::size_field::SizeField;
+use crate::suggestion::SurfaceKind;
+use crate::units::four_digits;
 use crate::wishes::{Wishes, check_near};
 use phex::directions::Cone;
+use phex::layout::MAX_PANELS;
 use phex::optimise::led_elsewhere;
 use phex::pipeline::{AttemptSummary, ClassicalStatistics};
 use phex::quality::References;
@@ -498,13 +501,26 @@ fn panels(
     }
 }
 
+/// Share of the thickness of a shell that panels of both of its sides may be off them, so that they
+/// keep apart.
+const OF_THICKNESS: f64 = 0.25;
+
 /// What is said of a closed surface that is thinner than the edges of its panels are long: most
 /// often it is a shell with its thickness.
 fn thinner_than(edge: f64, surface: &TriangleSurface) -> Option<String> {
     let thickness = surface.thickness().filter(|t| *t < edge)?;
+    let enough = SurfaceKind::new(surface).of_deviation(OF_THICKNESS * thickness);
+    let or_more = match enough.edge_length < edge && enough.panels < MAX_PANELS as u64 {
+        true => format!(
+            "; the panels of both sides keep apart from about {} on",
+            enough.panels
+        ),
+        false => String::new(),
+    };
+    let [thickness, edge] = [thickness, edge].map(four_digits);
     Some(format!(
-        "the surface is closed and only {thickness:.2e} thick (twice its volume over its area), edges of panels are \
-         {edge:.2e}: to cover a shell that has a thickness, give one of its two sides"
+        "the surface is closed and only {thickness} thick (twice its volume over its area), edges of panels are \
+         {edge}: to cover a shell that has a thickness, give one of its two sides{or_more}"
     ))
 }
 
@@ -659,6 +675,7 @@ fn summed<'a>(times: impl Iterator<Item = &'a StageTime>) -> Vec<StageTime> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 
     #[test]
     fn a_plate_is_told_from_a_shell_and_from_a_body() {
@@ -688,6 +705,18 @@ mod tests {
         assert_eq!(thinner_than(0.1, &plate), None);
         faces.pop();
         assert_eq!(thinner_than(0.5, &surface(&faces)), None);
+    }
+
+    #[test]
+    fn a_thin_ring_is_told_how_many_panels_keep_its_sides_apart() {
+        let shape = Shape::from_name("torus", &[("minor", 0.1)]).unwrap();
+        let ring = triangulate(&shape, &TriangulationOptions::default()).unwrap();
+        let note = thinner_than(0.2, &ring).unwrap();
+        let (_, after) = note.split_once("keep apart from about ").expect("a number");
+        let panels: f64 = after.split(' ').next().unwrap().parse().unwrap();
+        // Panels of edge e and curvature 10 are 2.5 e^2 off, which is to be 0.1 / 4 at the most.
+        let expected = ring.area() / (1.5 * 3.0_f64.sqrt() * 0.01);
+        assert!((panels / expected - 1.0).abs() < 0.25, "{note} {expected}");
     }
 
     #[test]
