@@ -99,12 +99,11 @@ impl AttemptSummary {
     /// that resolve the surface where the options leave sizes free. `None` if this one is within
     /// limits, and as regular as can be.
     pub(super) fn alternative(&self, options: &MeshOptions) -> Option<Candidate> {
-        let within = self.merit.is_within();
         let seamless = self.regular_possible && self.irregular > 0 && !self.candidate.seamless;
         let much = self.merit.invalid > 0.0 || self.merit.outside > CURABLE;
         let resolving = self.candidate.resolving(options).is_some() && much;
         (seamless || resolving).then_some(Candidate {
-            seamless: self.candidate.seamless || (seamless && within),
+            seamless: self.candidate.seamless || (seamless && !resolving),
             resolving,
             ..self.candidate
         })
