@@ -246,7 +246,7 @@ impl<'a> MeshTask<'a> {
         (settings.guides).apply(given.guides, &mut stages.directions.guides);
         check_steering(job, &settings)?;
         check_near(&settings.stages, &facets)?;
-        check_repeat(&settings, &components)?;
+        check_repeat(&settings, facets.diagonal(), &components)?;
         let mut limits = TypedLimits::from(&settings);
         if job.start.is_some() {
             limits.boundary = None;
@@ -607,18 +607,23 @@ fn check_steering(job: &MeshJob, settings: &MeshSettings) -> Result<(), JobError
     Ok(())
 }
 
-/// Refuses to make edges equal that differ by more than a part is long.
-fn check_repeat(settings: &MeshSettings, components: &[&SurfaceComponent]) -> Result<(), JobError> {
+/// Refuses to make edges equal that differ by more than a part is long; `extent` is the diagonal of
+/// all parts, which percentages refer to.
+fn check_repeat(
+    settings: &MeshSettings,
+    extent: f64,
+    components: &[&SurfaceComponent],
+) -> Result<(), JobError> {
     let Some(asked) = settings.repeat else {
         return Ok(());
     };
     let unit = settings.unit();
-    let whole = components.iter().map(|c| c.surface.diagonal());
-    let whole = whole.fold(f64::INFINITY, f64::min);
-    match asked.length(unit, whole) <= whole {
+    let parts = components.iter().map(|c| c.surface.diagonal());
+    let least = parts.fold(f64::INFINITY, f64::min);
+    match asked.length(unit, extent) <= least {
         true => Ok(()),
         false => Err(JobError::input(format!(
-            "--repeat {asked}: edges would be equal that differ by more than the diagonal of the surface, {whole:.4} {unit}"
+            "--repeat {asked}: edges would be equal that differ by more than the diagonal of the surface, {least:.4} {unit}"
         ))),
     }
 }
