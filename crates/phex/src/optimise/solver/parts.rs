@@ -24,7 +24,7 @@ use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
 /// Faces from which a mesh is minimised in parts.
-pub(super) const LARGE: usize = 8_000;
+pub(in crate::optimise) const LARGE: usize = 8_000;
 /// Faces of a part at the most, without those that it shares with others.
 const PART: usize = 1_000;
 /// Rings of faces around a part whose vertices move with it.

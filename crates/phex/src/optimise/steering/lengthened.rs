@@ -8,6 +8,7 @@ use super::on_boundary::already_there;
 use super::wishes;
 use crate::optimise::holds::Anchored;
 use crate::optimise::panels::{FaceShapes, unknowns};
+use crate::optimise::solver::parts::LARGE;
 use crate::optimise::solver::path::Path;
 use crate::optimise::solver::solvers::Solvers;
 use crate::optimise::terms::barrier::clearance;
@@ -53,7 +54,10 @@ pub(crate) struct LengthStage<'a> {
 }
 
 impl<'a> LengthStage<'a> {
-    /// Prepares a planar mesh.
+    /// Panels at the most: larger meshes are minimised part by part.
+    pub const MOST_PANELS: usize = LARGE;
+
+    /// Prepares a planar mesh of at most [`Self::MOST_PANELS`].
     ///
     /// # Errors
     /// If the mesh or an option can't be used, or the mesh can't be held as it is to be.
@@ -113,7 +117,7 @@ impl<'a> LengthStage<'a> {
     }
 
     /// The mesh, from where `from` has its vertices, with its edges drawn to `lengths` by a weight
-    /// over that of closeness; `None` for meshes that are minimised part by part.
+    /// over that of closeness.
     ///
     /// # Errors
     /// If a factorisation fails for want of memory.
@@ -123,20 +127,19 @@ impl<'a> LengthStage<'a> {
         lengths: &PerEdge<f64>,
         weight: f64,
         progress: &dyn Progress,
-    ) -> Result<Option<HexMesh>, OptimiseError> {
+    ) -> Result<HexMesh, OptimiseError> {
         let x = unknowns(from);
         let setting = self.stage.setting(&x);
         let mut path = Path::new(&setting, &mut self.solvers, &x, &self.options, progress)?;
         let weight = weight * path.weights.closeness.vertex;
         let term = EdgeLengths::new(self.mesh.topology(), lengths, weight);
-        let Some(energy) = path.energy() else {
-            return Ok(None);
-        };
-        energy.lengths = Some(term);
+        if let Some(energy) = path.energy() {
+            energy.lengths = Some(term);
+        }
         let heavier = (LIMITS * weight / path.weights.closeness.vertex).max(1.0);
         path.weights.limits *= heavier;
         path.weights.closeness.limit.elastic.weight *= heavier;
         let x = path.again(&x, PHASES)?;
-        Ok(Some(mesh_at(self.mesh, &x)))
+        Ok(mesh_at(self.mesh, &x))
     }
 }
