@@ -39,7 +39,7 @@ const WORST: f64 = 0.3;
 const CLEARANCE_LEFT: f64 = 0.6;
 
 /// Diagonals within which a vertex lies on a curve.
-const ON_IT: f64 = 1e-7;
+pub(super) const ON_IT: f64 = 1e-7;
 
 /// The curves, and the points of them that vertices are put on.
 pub struct BoundaryHold {
