@@ -74,11 +74,11 @@ pub(crate) fn disc_cells(
         seed,
         panels: Vec::new(),
     };
-    let mut remaining = Vec::new();
+    let mut rounds_left = ROUNDS;
     let mut outlines = Vec::new();
     let mut changed = vec![true; complex.seed.len()];
     let holes = topology.boundary_loops();
-    for _ in 0..ROUNDS {
+    loop {
         outlines.resize_with(complex.seed.len(), Outline::default);
         outline_again(topology, corners, &complex.label, &changed, &mut outlines);
         let area = areas(mesh, &complex.label, complex.seed.len());
@@ -88,16 +88,17 @@ pub(crate) fn disc_cells(
             complex.panels = panels(outlines);
             return Ok(complex);
         }
+        if rounds_left == 0 {
+            return Err(NotDiscs {
+                cells: faults.len(),
+                seed: complex.seed[faults[0].0 as usize],
+            });
+        }
+        rounds_left -= 1;
         let before = complex.label.clone();
         mend((topology, mesh), &holes, &mut complex, &faults);
         changed = changed_cells(topology, &before, &complex);
-        remaining = faults;
     }
-    let first = remaining.first().map_or(0, |(cell, _)| *cell as usize);
-    Err(NotDiscs {
-        cells: remaining.len(),
-        seed: complex.seed[first],
-    })
 }
 
 /// Which cells have other vertices, or other cells beside them, than before.
