@@ -170,15 +170,13 @@ impl<'a> WallCells<'a> {
         for _ in 0..ROUNDS {
             let before = merged.clone();
             for f in &doubtful {
-                let cost = |choice: u32| {
-                    let mut next = merged.clone();
-                    next[*f] = choice;
-                    self.irregularity(*f, &next)
+                let now = merged[*f];
+                let mut cost = |choice: u32| {
+                    merged[*f] = choice;
+                    self.irregularity(*f, merged)
                 };
-                let best = self
-                    .choices(*f)
-                    .min_by_key(|c| (cost(*c), *c != merged[*f]));
-                merged[*f] = best.unwrap_or(merged[*f]);
+                let best = (self.choices(*f)).min_by_key(|c| (cost(*c), *c != now));
+                merged[*f] = best.unwrap_or(now);
             }
             if merged.as_slice() == before.as_slice() {
                 break;
