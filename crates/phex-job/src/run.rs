@@ -438,7 +438,9 @@ pub fn add_features(
     surface: Option<&TriangleSurface>,
 ) -> Option<String> {
     let sizes = surface.map(|surface| FeatureSizes::new(mesh, surface));
-    let warning = sizes.as_ref().and_then(|s| s.warning(&report.checks));
+    let warning = sizes
+        .as_ref()
+        .and_then(|s| s.warning(&report.assessment.checks));
     report.notes.extend(warning.clone());
     report.feature_sizes = sizes;
     warning
@@ -451,9 +453,13 @@ const FAR_FROM_FACETS: f64 = 2.0;
 /// Adds a sentence to a report, and returns it, where panels are near the smooth surface and far
 /// from the facets that were given.
 fn add_coarse_input(report: &mut RunReport) -> Option<String> {
-    let far = report.deviation_facets.as_ref()?.deviation_max;
-    report.deviation_smooth.as_ref()?;
-    let check = report.checks.iter().find(|c| c.name == "deviation")?;
+    let far = report.assessment.deviation_facets.as_ref()?.deviation_max;
+    report.assessment.deviation_smooth.as_ref()?;
+    let check = report
+        .assessment
+        .checks
+        .iter()
+        .find(|c| c.name == "deviation")?;
     let is_told = far > FAR_FROM_FACETS * check.limit.max(check.value);
     let warning = is_told.then(|| {
         format!(

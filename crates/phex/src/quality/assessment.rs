@@ -126,6 +126,7 @@ pub struct Assessment {
     /// How far teeth of the surface's boundary stand out of the calm line that the mesh's boundary
     /// was compared with instead, a length; `None` without teeth, or where a smooth surface, which
     /// has none, was compared with.
+    #[serde(skip)]
     pub calmed: Option<f64>,
     /// Everything that is wrong, located.
     pub violations: Vec<Violation>,
