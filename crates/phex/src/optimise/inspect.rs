@@ -4,7 +4,7 @@ use super::options::OptimiseOptions;
 use super::panels::{FaceShapes, Panels};
 use super::terms::barrier::clearance;
 use super::terms::guard::{Breach, Guard};
-use phex_mesh::FaceId;
+use phex_mesh::{FaceId, ValidateOptions};
 use serde::{Deserialize, Serialize};
 
 /// What is wrong with a panel.
@@ -111,7 +111,7 @@ fn measured_faults(
     for (f, &clearance) in clearances.iter().enumerate() {
         let heights = shape.face(panels, f).iter().map(|c| c.height.abs());
         let distance = heights.fold(0.0, f64::max) / mean_edge;
-        if clearance < options.least_clearance {
+        if clearance < ValidateOptions::CLEARANCE {
             offenders.push(offender(f, Fault::LowClearance { clearance }));
         }
         if distance > options.planarity_tolerance {

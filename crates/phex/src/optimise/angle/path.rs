@@ -9,6 +9,7 @@ use crate::optimise::solver::solvers::system;
 use crate::optimise::terms::angle_term::walks::Walks;
 use crate::optimise::terms::setting::Setting;
 use crate::progress::{Event, Progress};
+use phex_mesh::ValidateOptions;
 use phex_numeric::{
     Assembly, Constraints, DampedProblem, MinimumNorm, Outcome, ProjectionOptions, Record, Status,
 };
@@ -50,7 +51,7 @@ impl<'a> AnglePath<'a> {
         way: f64,
         progress: &'a dyn Progress,
     ) -> Result<Self, OptimiseError> {
-        let least = way * options.optimise.least_clearance * setting.mean_edge;
+        let least = way * ValidateOptions::CLEARANCE * setting.mean_edge;
         let (cholesky, normal) = system(angles, 1)?;
         Ok(Self {
             constraints: AngleConstraints::new(setting, angles, walks, x, least),
