@@ -29,13 +29,12 @@ pub(super) fn repeated(
     }
     let beyond = run.beyond.as_ref().map(Beyond::surfaces);
     let elsewhere = led_elsewhere(&options.steering, &run.mesh);
-    let references = References {
-        smooth: Some(&run.target),
-        facets: Some(facets),
+    let others = References {
         beyond,
         elsewhere: &elsewhere,
+        ..References::of_facets(Some(facets))
     };
-    let judge = Judge::new(&run.target, references, options.limits());
+    let judge = Judge::new(&run.target, others, options.limits());
     let close_to = &SurfaceTarget::new(beyond.map_or(&run.target, |b| b[0]));
     let site = Site {
         judge: &judge,

@@ -187,9 +187,13 @@ pub struct Judge<'a> {
 }
 
 impl<'a> Judge<'a> {
-    /// The judge of meshes that stand for a surface.
-    pub fn new(surface: &'a TriangleSurface, references: References<'a>, limits: Limits) -> Self {
+    /// The judge of meshes that stand for a smooth surface, and for what `others` has besides.
+    pub fn new(surface: &'a TriangleSurface, others: References<'a>, limits: Limits) -> Self {
         let topology = surface.topology();
+        let references = References {
+            smooth: Some(surface),
+            ..others
+        };
         Self {
             on_boundary: PerVertex::from_fn(topology.n_vertices(), |v| {
                 topology.is_boundary_vertex(v)
@@ -520,12 +524,8 @@ mod tests {
     }
 
     fn judge(surface: &TriangleSurface) -> Judge<'_> {
-        let references = References {
-            smooth: Some(surface),
-            ..Default::default()
-        };
         let limits = Limits::new(Some(5e-3), None);
-        Judge::new(surface, references, limits)
+        Judge::new(surface, References::default(), limits)
     }
 
     /// The wall with one inner vertex moved.
