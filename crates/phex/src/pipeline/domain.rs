@@ -296,7 +296,7 @@ impl Ground {
             levels: self.smooth.refinements.len(),
             original: trimming.smooth.finest(),
             corner_angle: self.options.target.corner_angle.to_radians(),
-            limit: self.options.limits().boundary_rel,
+            limit: self.options.boundary_limit(),
         };
         trim::trim(mesh, &domain, self.options.boundary)
     }
