@@ -91,6 +91,8 @@ const WAYS: [AngleWay; 8] = [
     },
 ];
 
+/// The stage whose iterations are told.
+const STAGE: &str = "angles";
 /// Steps of the descent at the most.
 const DESCENT_STEPS: usize = 30;
 
