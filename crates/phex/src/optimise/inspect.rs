@@ -4,6 +4,7 @@ use super::options::OptimiseOptions;
 use super::panels::{FaceShapes, Panels};
 use super::terms::barrier::clearance;
 use super::terms::guard::{Breach, Guard};
+use phex_mesh::measure::quantile;
 use phex_mesh::{FaceId, ValidateOptions};
 use serde::{Deserialize, Serialize};
 
@@ -77,11 +78,13 @@ pub(super) fn inspect(
     let clearances: Vec<f64> = (0..panels.n_faces())
         .map(|f| clearance(shape.face(panels, f)) / mean_edge)
         .collect();
+    let mut ascending = clearances.clone();
+    ascending.sort_by(f64::total_cmp);
     let quality = Quality {
         mean_edge,
         planarity: shape.max_height() / mean_edge,
-        clearance: quantile(&clearances, 0.0),
-        clearance_p05: quantile(&clearances, 0.05),
+        clearance: quantile(&ascending, 0.0),
+        clearance_p05: quantile(&ascending, 0.05),
         deviation_max: deviation.0,
         deviation_rms: deviation.1,
     };
@@ -91,13 +94,6 @@ pub(super) fn inspect(
     }
     offenders.sort_by_key(|o| o.face);
     (quality, offenders)
-}
-
-fn quantile(values: &[f64], fraction: f64) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let at = (fraction * (sorted.len() - 1) as f64).floor() as usize;
-    sorted[at]
 }
 
 fn measured_faults(
