@@ -352,7 +352,7 @@ pub(super) fn boundary_checks(
 ) -> Vec<Check> {
     let place = |spots: &[Spot]| worst(spots.iter().map(|s| (s.distance, s.point)));
     let follows = limits.boundary_rel.map(|limit| {
-        let follows = |s: &&Spot| !elsewhere.contains(&s.face);
+        let follows = |s: &&Spot| elsewhere.binary_search(&s.face).is_err();
         let apart: Vec<Spot> = fit.apart.iter().filter(follows).copied().collect();
         let value = apart.iter().map(|s| s.distance).fold(0.0, f64::max);
         let far = apart.iter().filter(|s| s.distance > limit);
