@@ -50,7 +50,7 @@ pub struct Offender {
 
 /// Figures of a mesh. Lengths are in mean edges, deviations in the unit of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Quality {
+pub struct OptimisedFigures {
     /// Mean length of the edges, in the unit of the model.
     pub mean_edge: f64,
     /// Largest distance of a corner to the plane of its panel.
@@ -72,7 +72,7 @@ pub(super) fn inspect(
     x: &[f64],
     deviation: (f64, f64),
     options: &OptimiseOptions,
-) -> (Quality, Vec<Offender>) {
+) -> (OptimisedFigures, Vec<Offender>) {
     let shape = FaceShapes::at(panels, x);
     let mean_edge = panels.mean_edge(x);
     let clearances: Vec<f64> = (0..panels.n_faces())
@@ -80,7 +80,7 @@ pub(super) fn inspect(
         .collect();
     let mut ascending = clearances.clone();
     ascending.sort_by(f64::total_cmp);
-    let quality = Quality {
+    let quality = OptimisedFigures {
         mean_edge,
         planarity: shape.max_height() / mean_edge,
         clearance: quantile(&ascending, 0.0),

@@ -100,7 +100,8 @@ impl Draft {
         let (at_u, at_v) = (other(u)?, other(v)?);
         let open = [left, right, at_u, at_v].iter().all(|f| self.open[*f]);
         let apart = at_u != at_v && !self.share_a_corner(at_u, at_v);
-        let enough = self.faces[left].len() > LEAST_CORNERS && self.faces[right].len() > LEAST_CORNERS;
+        let enough =
+            self.faces[left].len() > LEAST_CORNERS && self.faces[right].len() > LEAST_CORNERS;
         let few = self.faces[at_u].len() < MOST && self.faces[at_v].len() < MOST;
         (open && apart && enough && few).then_some(Turn {
             left,
