@@ -18,7 +18,7 @@
 //! | symbol | variable |
 //! |---|---|
 //! | `rho` | [`DirectionOptions::anisotropy`] |
-//! | `k0` | 0.05 times the 90 % quantile of `|k2|` |
+//! | `k0` | 0.05 times the 90 % quantile of `|k2|`, and a thousandth of the reciprocal diagonal |
 //! | `alpha` | [`DirectionOptions::conformal_screening`] |
 //! | `theta` | [`Directions::angle`], from the first half-edge of the vertex, counter-clockwise |
 //!
