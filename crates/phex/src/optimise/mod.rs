@@ -102,7 +102,7 @@ use terms::guard::Guard;
 
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub use error::{OptimiseError, SteeringError};
-pub(crate) use holds::in_plane;
+pub(crate) use holds::{PUT_THERE, in_plane};
 pub use inspect::{Fault, Offender, OptimisedFigures};
 pub(crate) use local::LocalPart;
 pub use options::{Dials, OptimiseOptions, PathKind, START_CLOSENESS, Solver, StartKind};

@@ -13,7 +13,7 @@ use super::rim::corner_points;
 use super::sized::mean_length;
 use super::{Candidate, Clock, Effort, MeshOptions, MeshRun, Method, PipelineError, Statistics};
 use crate::layout::same_topology;
-use crate::optimise::{self, BoundaryHold, Quotient, Steering, SurfaceTarget};
+use crate::optimise::{self, BoundaryHold, PUT_THERE, Quotient, Steering, SurfaceTarget};
 use crate::progress::{Event, Progress};
 use crate::quality::{Judge, Limits, Merit, References};
 use crate::repetition::RepetitionTask;
@@ -415,7 +415,7 @@ impl<'a> DomainPanels<'a> {
             let ends = surface.topology().edge_vertices(*e);
             let on = |n: &Vec3| {
                 ends.iter()
-                    .all(|v| n.dot(&surface.positions()[*v]).abs() < 1e-9)
+                    .all(|v| n.dot(&surface.positions()[*v]).abs() < PUT_THERE)
             };
             walls.iter().any(on)
         });
@@ -494,7 +494,7 @@ impl<'a> DomainPanels<'a> {
         let others = References::of_facets(Some(facets));
         let judge = Judge::new(reported, others, options.limits());
         let mut corners = corner_points(reported, options);
-        corners.retain(|p| walls.iter().all(|n| n.dot(p).abs() > 1e-9));
+        corners.retain(|p| walls.iter().all(|n| n.dot(p).abs() > PUT_THERE));
         let hold = target.boundary().map(|curves| BoundaryHold {
             curves: curves.clone(),
             corners,

@@ -1,7 +1,7 @@
 //! A panelling and all its images as one mesh.
 
 use super::group::number_of;
-use crate::optimise::Quotient;
+use crate::optimise::{PUT_THERE, Quotient};
 use crate::smooth_surface::Affinity;
 use nalgebra::Matrix3;
 use phex_mesh::{FaceId, HexMesh, PerFace, PerVertex, TopologyError, Vec3};
@@ -174,7 +174,7 @@ impl<'a> VertexOrbits<'a> {
     fn new(quotient: &Quotient, mesh: &HexMesh, elements: &'a [Matrix3<f64>]) -> Self {
         let count = mesh.positions.len();
         let images = &quotient.images;
-        let near = 1e-9 * mesh.diagonal();
+        let near = PUT_THERE * mesh.diagonal();
         let source = (0..count as u32).map(|v| match images.get(&v) {
             Some(image) => (image.source, number_of(elements, &image.map).unwrap_or(0)),
             None => (v, 0),
