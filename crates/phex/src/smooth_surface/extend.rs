@@ -414,7 +414,7 @@ mod tests {
         let hole = (loops.iter()).find(|l| surface.positions()[l[0]].norm() < 1.5);
         let mut arcs = arcs(&surface, hole.unwrap(), 3.0);
         let rim: Vec<Vec3> = arcs.iter().map(|a| a.start).collect();
-        shorten(&mut arcs, &rim, 3.0);
+        shorten(&mut arcs, (&rim, 0), 3.0);
         assert!(!has_room(&arcs, 3.0));
         let longest = arcs.iter().map(|a| a.length).fold(0.0, f64::max);
         assert!((longest - CLEAR).abs() < 0.01, "{longest}");
