@@ -183,7 +183,8 @@ pub fn directions(
 }
 
 /// Metric and field for panels of length `panel_length` at each vertex, on a surface whose diagonal
-/// is about 1, as for [`directions`]; for a caller who cancels perhaps without the conformal factor.
+/// is about 1, as for [`directions`]; for a caller who cancels perhaps without the conformal
+/// factor.
 ///
 /// # Errors
 /// If a linear system can't be solved, which only happens when the surface's triangles are

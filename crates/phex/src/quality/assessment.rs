@@ -49,8 +49,8 @@ pub struct References<'a> {
     /// Both continued beyond the boundary, where panels may stick out: their distance is measured
     /// to these.
     pub beyond: Option<[&'a TriangleSurface; 2]>,
-    /// Faces, in order, whose boundary is led elsewhere than along the surface's own, by a curve or a
-    /// ground plane: there it is not compared with that, and no share of the area is asked for.
+    /// Faces, in order, whose boundary is led elsewhere than along the surface's own, by a curve or
+    /// a ground plane: there it is not compared with that, and no share of the area is asked for.
     pub elsewhere: &'a [FaceId],
 }
 

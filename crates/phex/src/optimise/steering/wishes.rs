@@ -17,8 +17,8 @@ use std::collections::BTreeSet;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GroundPlane {
-    /// A point of the plane, model units; without it, the vertex of the boundary that is lowest along
-    /// the normal.
+    /// A point of the plane, model units; without it, the vertex of the boundary that is lowest
+    /// along the normal.
     #[serde(default)]
     pub point: Option<[f64; 3]>,
     /// Its normal, of any length but 0.
