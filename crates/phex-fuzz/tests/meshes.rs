@@ -225,7 +225,7 @@ fn trimming() {
             levels: 0,
             original: &surface,
             corner_angle: 0.5,
-            limit: None,
+            limit: 5e-3,
         };
         let Ok(trimmed) = trim(&panels, &domain, boundary) else {
             return Ok(Tried::default());

@@ -57,7 +57,12 @@ pub fn other_gauss_images(report: &Report<'_>) -> [(&'static str, Result<PackedA
 /// What counts as planar in the report counts here.
 fn offset_options(report: &Report<'_>) -> OffsetOptions {
     let mut options = OffsetOptions::default();
-    let planarity = report.run.checks.iter().find(|c| c.name == "planarity");
+    let planarity = report
+        .run
+        .assessment
+        .checks
+        .iter()
+        .find(|c| c.name == "planarity");
     if let Some(check) = planarity {
         options.validity.planarity = Some(check.limit);
     }

@@ -8,7 +8,7 @@ use crate::tables::{self, figure};
 use crate::viewer_data::{MOST_OFFENDERS, ViewerData, centre, offenders};
 use crate::{CurveFamily, Report};
 use phex::curvature::Principal;
-use phex::quality::{Assessment, Verdict};
+use phex::quality::Verdict;
 use phex_mesh::{FaceId, Vec3};
 use phex_picture::maps::{ColourMap, Map, Range, Subject, principal_at_panels};
 
@@ -72,12 +72,11 @@ fn crosses(report: &Report<'_>) -> Option<[CurveFamily; 2]> {
     if report.curves.is_ok_and(|curves| !curves.is_empty()) {
         return None;
     }
-    let assessment = report.run.assessment();
-    let principal = principal_at_panels(&subject(report, &assessment))?;
+    let principal = principal_at_panels(&subject(report))?;
     let family = |name: &str, direction: fn(&Principal) -> Vec3| {
         let faces = report.mesh.topology().faces().zip(&principal);
         let line = |(f, p): (FaceId, &Principal)| {
-            let reach = CROSS * report.run.measures.per_element.area[f].sqrt();
+            let reach = CROSS * report.run.assessment.measures.per_element.area[f].sqrt();
             let (centre, along) = (report.mesh.centre(f), direction(p) * reach);
             vec![centre - along, centre + along]
         };
@@ -94,17 +93,16 @@ fn crosses(report: &Report<'_>) -> Option<[CurveFamily; 2]> {
     ])
 }
 
-fn subject<'a>(report: &Report<'a>, assessment: &'a Assessment) -> Subject<'a> {
+fn subject<'a>(report: &Report<'a>) -> Subject<'a> {
     Subject {
         mesh: report.mesh,
-        assessment,
+        assessment: &report.run.assessment,
         surface: report.surface,
     }
 }
 
 fn maps(report: &Report<'_>) -> Vec<ColourMap> {
-    let assessment = report.run.assessment();
-    let subject = subject(report, &assessment);
+    let subject = subject(report);
     (Map::ALL.into_iter())
         .chain(Map::LIMITS)
         .filter_map(|map| ColourMap::over(map, &subject, range(map)))
@@ -131,7 +129,7 @@ pub(crate) fn head(title: &str, what: &str) -> String {
 }
 
 fn header(report: &Report<'_>) -> String {
-    let (class, word) = match report.run.verdict {
+    let (class, word) = match report.run.assessment.verdict {
         Verdict::Pass => ("pass", "Pass"),
         Verdict::OutsideTolerance => ("outside", "Outside tolerance"),
         Verdict::Invalid => ("invalid", "Invalid"),
@@ -150,7 +148,7 @@ fn header(report: &Report<'_>) -> String {
 /// The figures that are looked for first.
 fn facts(report: &Report<'_>) -> Vec<(&'static str, String)> {
     let run = report.run;
-    let m = &run.measures;
+    let m = &run.assessment.measures;
     let unit = escaped(&run.unit);
     let mut facts = vec![
         ("Panels", m.faces.to_string()),
@@ -166,7 +164,7 @@ fn facts(report: &Report<'_>) -> Vec<(&'static str, String)> {
         ),
         ("Mean edge", format!("{} {unit}", figure(m.mean_edge))),
     ];
-    if let Some(d) = run.judged_deviation() {
+    if let Some(d) = run.assessment.judged_deviation() {
         let length = d.deviation_max * d.diagonal;
         let percent = 100.0 * d.deviation_max;
         facts.push((
@@ -174,8 +172,11 @@ fn facts(report: &Report<'_>) -> Vec<(&'static str, String)> {
             format!("{} {unit} <small>{percent:.3} %</small>", figure(length)),
         ));
     }
-    let held = run.checks.iter().filter(|c| c.pass).count();
-    facts.push(("Checks", format!("{held} of {}", run.checks.len())));
+    let held = run.assessment.checks.iter().filter(|c| c.pass).count();
+    facts.push((
+        "Checks",
+        format!("{held} of {}", run.assessment.checks.len()),
+    ));
     facts
 }
 

@@ -195,8 +195,15 @@ pub fn repetition(report: &Report<'_>) -> String {
 /// The checks with figures, limits and offenders.
 pub fn checks(report: &Report<'_>) -> String {
     let mut rows = vec![head(&["", "Check", "Value", "Limit", "Offenders"])];
-    rows.extend(report.run.checks.iter().map(|c| check(report, c)));
-    let contradiction = contradiction(&report.run.checks);
+    rows.extend(
+        report
+            .run
+            .assessment
+            .checks
+            .iter()
+            .map(|c| check(report, c)),
+    );
+    let contradiction = contradiction(&report.run.assessment.checks);
     let contradiction = contradiction.map_or_else(String::new, |told| {
         format!("<p class=\"note\">{}</p>\n", escaped(&told))
     });
@@ -267,7 +274,7 @@ fn named(report: &Report<'_>, check: &Check) -> String {
 
 /// Figures with least, mean, 95 % and largest value.
 pub fn figures(report: &Report<'_>) -> String {
-    let m = &report.run.measures;
+    let m = &report.run.assessment.measures;
     let mut rows = vec![head(&["Figure", "Least", "Mean", "95 %", "Largest"])];
     rows.push(metric("Planarity, mean edges", &m.planarity, 1.0));
     let length = format!("Planarity, {}", escaped(&report.run.unit));
@@ -283,8 +290,8 @@ pub fn figures(report: &Report<'_>) -> String {
     rows.push(metric("Dihedral angle, °", &m.dihedral, 1.0));
     rows.push(metric("Panel area, % of all", &m.face_area, 100.0));
     for (name, deviation) in [
-        ("smooth surface", &report.run.deviation_smooth),
-        ("given facets", &report.run.deviation_facets),
+        ("smooth surface", &report.run.assessment.deviation_smooth),
+        ("given facets", &report.run.assessment.deviation_facets),
     ] {
         if let Some(d) = deviation {
             let label = |what: &str| format!("{what} to the {name}, % of diagonal");

@@ -40,7 +40,7 @@ impl<'a> ViewerData<'a> {
     /// Collects the data of a report; coordinates are relative to `origin`.
     pub fn new(report: &Report<'a>, maps: &[ColourMap], origin: Vec3) -> Self {
         let mesh = report.mesh;
-        let elements = &report.run.measures.per_element;
+        let elements = &report.run.assessment.measures.per_element;
         let topology = mesh.topology();
         let angles = topology
             .faces()
@@ -67,7 +67,7 @@ impl<'a> ViewerData<'a> {
         if let Err(reason) = report.curves {
             missing.insert("curves", reason.to_owned());
         }
-        let mean_edge = report.run.measures.mean_edge;
+        let mean_edge = report.run.assessment.measures.mean_edge;
         Self {
             unit: &report.run.unit,
             mean_edge,
@@ -152,11 +152,16 @@ pub struct FaultyPanels {
 
 /// What is wrong with panels, the worst kinds first.
 pub fn offenders(report: &Report<'_>) -> Vec<FaultyPanels> {
-    let violations = report.run.violations.iter();
+    let violations = report.run.assessment.violations.iter();
     let mut list: Vec<FaultyPanels> = violations.map(|v| violation(report, v)).collect();
-    let far = report.run.checks.iter().find(|c| c.name == "deviation");
+    let far = report
+        .run
+        .assessment
+        .checks
+        .iter()
+        .find(|c| c.name == "deviation");
     list.extend(far.into_iter().flat_map(too_far));
-    list.extend(report.run.checks.iter().flat_map(beyond_limit));
+    list.extend(report.run.assessment.checks.iter().flat_map(beyond_limit));
     list.retain(|o| !o.faces.is_empty());
     list.sort_by_key(|o| (!o.loud, o.kind != "not_simple"));
     list.truncate(MOST_OFFENDERS);

@@ -286,6 +286,7 @@ fn checks_have_the_typed_unit_a_place_that_can_be_found_and_what_helps() {
         Assessment::new(&mesh, References::default(), &limits),
     );
     let check = run
+        .assessment
         .checks
         .iter_mut()
         .find(|c| c.name == "min_edge")

@@ -246,7 +246,7 @@ impl<'a> MeshTask<'a> {
         (settings.guides).apply(given.guides, &mut stages.directions.guides);
         check_steering(job, &settings)?;
         check_near(&settings.stages, &facets)?;
-        check_repeat(&settings, &components)?;
+        check_repeat(&settings, facets.diagonal(), &components)?;
         let mut limits = TypedLimits::from(&settings);
         if job.start.is_some() {
             limits.boundary = None;
@@ -438,7 +438,9 @@ pub fn add_features(
     surface: Option<&TriangleSurface>,
 ) -> Option<String> {
     let sizes = surface.map(|surface| FeatureSizes::new(mesh, surface));
-    let warning = sizes.as_ref().and_then(|s| s.warning(&report.checks));
+    let warning = sizes
+        .as_ref()
+        .and_then(|s| s.warning(&report.assessment.checks));
     report.notes.extend(warning.clone());
     report.feature_sizes = sizes;
     warning
@@ -451,9 +453,13 @@ const FAR_FROM_FACETS: f64 = 2.0;
 /// Adds a sentence to a report, and returns it, where panels are near the smooth surface and far
 /// from the facets that were given.
 fn add_coarse_input(report: &mut RunReport) -> Option<String> {
-    let far = report.deviation_facets.as_ref()?.deviation_max;
-    report.deviation_smooth.as_ref()?;
-    let check = report.checks.iter().find(|c| c.name == "deviation")?;
+    let far = report.assessment.deviation_facets.as_ref()?.deviation_max;
+    report.assessment.deviation_smooth.as_ref()?;
+    let check = report
+        .assessment
+        .checks
+        .iter()
+        .find(|c| c.name == "deviation")?;
     let is_told = far > FAR_FROM_FACETS * check.limit.max(check.value);
     let warning = is_told.then(|| {
         format!(
@@ -607,18 +613,23 @@ fn check_steering(job: &MeshJob, settings: &MeshSettings) -> Result<(), JobError
     Ok(())
 }
 
-/// Refuses to make edges equal that differ by more than a part is long.
-fn check_repeat(settings: &MeshSettings, components: &[&SurfaceComponent]) -> Result<(), JobError> {
+/// Refuses to make edges equal that differ by more than a part is long; `extent` is the diagonal of
+/// all parts, which percentages refer to.
+fn check_repeat(
+    settings: &MeshSettings,
+    extent: f64,
+    components: &[&SurfaceComponent],
+) -> Result<(), JobError> {
     let Some(asked) = settings.repeat else {
         return Ok(());
     };
     let unit = settings.unit();
-    let whole = components.iter().map(|c| c.surface.diagonal());
-    let whole = whole.fold(f64::INFINITY, f64::min);
-    match asked.length(unit, whole) <= whole {
+    let parts = components.iter().map(|c| c.surface.diagonal());
+    let least = parts.fold(f64::INFINITY, f64::min);
+    match asked.length(unit, extent) <= least {
         true => Ok(()),
         false => Err(JobError::input(format!(
-            "--repeat {asked}: edges would be equal that differ by more than the diagonal of the surface, {whole:.4} {unit}"
+            "--repeat {asked}: edges would be equal that differ by more than the diagonal of the surface, {least:.4} {unit}"
         ))),
     }
 }

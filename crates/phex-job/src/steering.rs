@@ -88,7 +88,7 @@ pub enum TypedSolver {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum TypedPlane {
-    /// Level, at the lowest vertex.
+    /// Level, at the lowest vertex of the boundary.
     Lowest,
     /// Level, at a height.
     Level(f64),

@@ -59,8 +59,8 @@ fn result(made: &JobResult) -> WayShown<'_> {
         angle,
         evenness,
         ..
-    } = &made.report.measures;
-    let deviation = made.report.judged_deviation();
+    } = &made.report.assessment.measures;
+    let deviation = made.report.assessment.judged_deviation();
     let figures = WayFigures {
         panels: *faces,
         hex: hex.unwrap_or(1.0),
@@ -72,7 +72,7 @@ fn result(made: &JobResult) -> WayShown<'_> {
     WayShown {
         mesh: &made.mesh,
         title: "Result".to_owned(),
-        lines: std::iter::once(made.report.verdict.to_string())
+        lines: std::iter::once(made.report.assessment.verdict.to_string())
             .chain(figures.lines())
             .collect(),
     }

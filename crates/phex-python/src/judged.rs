@@ -237,7 +237,7 @@ fn with_job_file(settings: MeshSettings, file: Option<PathBuf>) -> Result<MeshSe
 fn answer(result: KeptResult) -> Result<Answer, JobError> {
     let report = result.report.to_json();
     let report = report.map_err(|e| JobError::Internal(e.to_string()))?;
-    let verdict = json(&result.report.verdict)?;
+    let verdict = json(&result.report.assessment.verdict)?;
     let smooth = result.smooth.as_ref().map(TriangleSurface::to_soup);
     Ok(vec![
         ("mesh", AnswerPart::Mesh(Some(result.mesh.to_soup()))),
@@ -410,11 +410,11 @@ impl CopiedReport {
     /// # Errors
     /// If the judge does not say what it said before.
     fn take_up(self, report: &mut RunReport) -> Result<(), JobError> {
-        let again = report.checks.iter().map(|c| CopiedCheck {
+        let again = report.assessment.checks.iter().map(|c| CopiedCheck {
             name: c.name.to_owned(),
             pass: c.pass,
         });
-        if self.verdict != report.verdict || !again.eq(self.checks) {
+        if self.verdict != report.assessment.verdict || !again.eq(self.checks) {
             return Err(JobError::Input(
                 "a copy of this result can't be judged as the result was: make the page from the result itself"
                     .to_owned(),

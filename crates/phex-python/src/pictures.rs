@@ -62,7 +62,7 @@ fn colours(
     let usual = || TypedLimits::default().judge(mesh, References::of_facets(facets));
     let subject = Subject {
         mesh,
-        assessment: &kept.map_or_else(usual, |kept| kept.result.report.assessment()),
+        assessment: &kept.map_or_else(usual, |kept| kept.result.report.assessment.clone()),
         surface: facets,
     };
     let name = map.name();

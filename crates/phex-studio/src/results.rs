@@ -159,8 +159,8 @@ impl RunResult {
             kind: "result",
             run: self.number,
             seconds,
-            verdict: run.verdict,
-            checks: run.checks.iter().map(ToldCheck::from).collect(),
+            verdict: run.assessment.verdict,
+            checks: run.assessment.checks.iter().map(ToldCheck::from).collect(),
             figures: self.figures(),
             notes: &run.notes,
             unit: &run.unit,
@@ -173,14 +173,17 @@ impl RunResult {
 
     fn figures(&self) -> HeadFigures {
         let run = &self.made.report;
-        let m = &run.measures;
+        let m = &run.assessment.measures;
         HeadFigures {
             panels: m.faces,
             hexagons: m.hex,
             concave: m.faces_concave,
             planarity: m.planarity_length.max,
             mean_edge: m.mean_edge,
-            deviation: run.judged_deviation().map(|d| d.deviation_max * d.diagonal),
+            deviation: run
+                .assessment
+                .judged_deviation()
+                .map(|d| d.deviation_max * d.diagonal),
             area: m.per_element.area.iter().sum(),
         }
     }
@@ -231,7 +234,7 @@ impl RunResult {
             ("job", "toml") => self.wish.text.clone().into_bytes(),
             _ => return Err(RefusedRequest::gone("there is no such file")),
         };
-        let made = match (part, self.made.report.verdict) {
+        let made = match (part, self.made.report.assessment.verdict) {
             ("mesh", Verdict::Invalid) => "invalid",
             ("mesh", _) => "phex",
             (part, _) => part,
@@ -260,10 +263,9 @@ impl RunResult {
 
     /// A picture of the kinds of panels.
     fn painted(&self, draw: impl FnOnce(&ColourMap, &PictureOptions) -> Vec<u8>) -> Vec<u8> {
-        let assessment = self.made.report.assessment();
         let subject = Subject {
             mesh: &self.made.mesh,
-            assessment: &assessment,
+            assessment: &self.made.report.assessment,
             surface: Some(&self.made.facets),
         };
         let map = ColourMap::over(Map::Valence, &subject, Range::Automatic);

@@ -39,12 +39,12 @@ impl Ending {
 
     /// How a judged mesh is.
     pub fn of_report(report: &RunReport) -> Self {
-        let (status, exit) = match report.verdict {
+        let (status, exit) = match report.assessment.verdict {
             Verdict::Pass => ("pass", 0),
             Verdict::OutsideTolerance => ("outside-tolerance", 3),
             Verdict::Invalid => ("invalid", 5),
         };
-        let failed = report.checks.iter().filter(|c| !c.pass);
+        let failed = report.assessment.checks.iter().filter(|c| !c.pass);
         let failed: Vec<&str> = failed.map(|c| c.name).collect();
         Self {
             status,
@@ -79,8 +79,8 @@ pub fn lost(variant: &Variant, reason: &str) -> Result<Row, JobError> {
 
 /// Adds the figures of a mesh: see `docs/book/src/studies.md` for what each column is.
 pub(crate) fn add_figures(columns: &mut Row, made: &JobResult, unit: Unit) {
-    let (report, measures) = (&made.report, &made.report.measures);
-    let deviation = report.judged_deviation();
+    let (report, measures) = (&made.report, &made.report.assessment.measures);
+    let deviation = report.assessment.judged_deviation();
     let evenness = measures.evenness.as_ref();
     let figures = [
         ("panels", json!(measures.faces)),

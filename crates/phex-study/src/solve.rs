@@ -174,7 +174,7 @@ impl VariantFolder<'_> {
         if let Some(workshop) = variant
             .workshop
             .as_ref()
-            .filter(|_| made.report.verdict != Verdict::Invalid)
+            .filter(|_| made.report.assessment.verdict != Verdict::Invalid)
         {
             add_workshop(told, workshop, &made.mesh, unit, watch);
             if watch.is_cancelled() {

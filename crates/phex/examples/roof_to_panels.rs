@@ -33,9 +33,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let report = made.report();
     println!(
         "{} panels, {:?}; planarity {:.1e} mean edges",
-        report.measures.faces, report.verdict, report.measures.planarity.max
+        report.assessment.measures.faces,
+        report.assessment.verdict,
+        report.assessment.measures.planarity.max
     );
-    for violation in &report.violations {
+    for violation in &report.assessment.violations {
         println!("{violation}");
     }
     made.write(files.next().as_deref().unwrap_or("roof-phex.obj"))?;

@@ -48,7 +48,7 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
     let reporter = Reporter::new(&command.talk);
     report.notes.iter().for_each(|note| reporter.note(note));
     table += &summary::of_features(&mut report, &mesh, facets);
-    table += &summary::of_verdict(report.verdict);
+    table += &summary::of_verdict(report.assessment.verdict);
     tell(command.talk.quiet || command.json, &table)?;
     report.statistics = json!({ "indicatrix": indicatrix });
     let doubt = limits.unit.doubted(mesh.diagonal());
@@ -71,7 +71,7 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
     if command.json {
         output::print(&report.to_json().context("the report")?)?;
     }
-    Ok(Exit::of_check(report.verdict == Verdict::Pass))
+    Ok(Exit::of_check(report.assessment.verdict == Verdict::Pass))
 }
 
 /// What is said of vertices that belong to no face.

@@ -68,7 +68,7 @@ impl<'a> Delivery<'a> {
     /// If something can't be written.
     pub fn send(self) -> Result<Exit, Failure> {
         let (mut report, output) = (self.report, self.output);
-        let verdict = report.verdict;
+        let verdict = report.assessment.verdict;
         let kept = !self.panels || verdict != Verdict::Invalid || self.keep_invalid;
         if let Some(path) = output.filter(|_| kept) {
             write_mesh(path, &self.shown.mesh.to_soup(), self.limits.unit)?;
@@ -77,8 +77,7 @@ impl<'a> Delivery<'a> {
         self.extras.write(&self.shown, &mut report)?;
         let mut text = self.before;
         if self.panels {
-            let assessment = report.assessment();
-            text += &summary::of_assessment(&assessment, &self.limits, self.talk.verbose);
+            text += &summary::of_assessment(&report.assessment, &self.limits, self.talk.verbose);
         }
         text += &self.after;
         text += &summary::of_files(&report);

@@ -50,7 +50,7 @@ pub fn run(command: &ReportCommand) -> Result<Exit, Failure> {
     let features = summary::of_features(&mut report, &mesh, facets);
     html::write(&command.html, &shown, &report)?;
     let table = summary::of_assessment(&assessment, &criteria.limits, command.talk.verbose);
-    let end = summary::of_files(&report) + &summary::of_verdict(report.verdict);
+    let end = summary::of_files(&report) + &summary::of_verdict(report.assessment.verdict);
     tell(command.talk.quiet, &(table + &features + &end))?;
-    Ok(Exit::of_check(report.verdict == Verdict::Pass))
+    Ok(Exit::of_check(report.assessment.verdict == Verdict::Pass))
 }

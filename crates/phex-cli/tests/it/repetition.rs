@@ -73,6 +73,15 @@ fn tolerances_without_meaning_are_refused() {
         .refuses(4, &["repeat"]);
     shop.phex("mesh torus.obj -o o.obj -n 60 --repeat 100m")
         .refuses(4, &["--repeat 100m: edges would be equal", "diagonal"]);
+    // A percentage is one of the diagonal of all parts, and no part may be shorter than that.
+    shop.succeed("shape wave -o wave.obj");
+    let wave = String::from_utf8(shop.read("wave.obj")).unwrap();
+    let vertices = wave.lines().filter(|l| l.starts_with("v ")).count();
+    let [a, b, c] = [1, 2, 3].map(|k| vertices + k);
+    let small = format!("v 9 0 0\nv 9.01 0 0\nv 9 0.01 0\nf {a} {b} {c}\n");
+    shop.write("two.obj", format!("{wave}{small}"));
+    shop.phex("mesh two.obj -o o.obj -n 60 --all-components --repeat 1%")
+        .refuses(4, &["--repeat 1%: edges would be equal", "0.0141 m"]);
     for wrong in ["-1mm", "nan", "inf", "1km"] {
         shop.phex(&format!("mesh torus.obj -o o.obj -n 60 --repeat={wrong}"))
             .refuses(2, &["repeat"]);

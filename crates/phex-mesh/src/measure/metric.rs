@@ -89,7 +89,7 @@ impl Histogram {
 }
 
 /// Quantile `q` in [0, 1] of ascending values, linear between neighbours; NaN if there are none.
-pub(crate) fn quantile(sorted: &[f64], q: f64) -> f64 {
+pub fn quantile(sorted: &[f64], q: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else {
         return f64::NAN;
     };

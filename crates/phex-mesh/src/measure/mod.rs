@@ -33,7 +33,7 @@ pub use boundary_fit::{
 };
 pub use deviation::{Deviation, closest_faces, deviation, deviation_beyond};
 pub use evenness::{AreasOverWished, Evenness, aspect};
-pub use metric::{BINS, Histogram, Metric, WORST};
+pub use metric::{BINS, Histogram, Metric, WORST, quantile};
 
 use crate::polygon::{interior_angles, is_simple};
 use crate::{

@@ -43,12 +43,17 @@ pub struct ValidateOptions {
     pub corner_angle: f64,
 }
 
+impl ValidateOptions {
+    /// The default of [`clearance`](Self::clearance).
+    pub const CLEARANCE: f64 = 0.05;
+}
+
 impl Default for ValidateOptions {
     fn default() -> Self {
         Self {
             planarity: None,
             edge_length_rel: 0.05,
-            clearance: 0.05,
+            clearance: Self::CLEARANCE,
             corner_angle: 1e-9,
         }
     }

@@ -1,10 +1,8 @@
-//! Cones where they do no harm: opposites that lie close together cancelled, the others kept off
-//! parabolic curves, or all of them where they are prescribed.
+//! Cones where they do no harm: opposites that lie close together cancelled, or all of them where
+//! they are prescribed.
 //!
 //! The smoothest field has pairs of cones of index `+1/6` and `-1/6` wherever the metric's own
-//! curvature changes quickly; each costs irregular panels and gives nothing back. Near parabolic
-//! curves (`|k1| rho^2 / |k2| < 1/3`) rows must follow the direction of smaller curvature, so a
-//! cone has no good place there.
+//! curvature changes quickly; each costs irregular panels and gives nothing back.
 
 use super::guides::Cone;
 use super::intrinsic::IntrinsicMesh;

@@ -18,7 +18,7 @@
 //! | symbol | variable |
 //! |---|---|
 //! | `rho` | [`DirectionOptions::anisotropy`] |
-//! | `k0` | 0.05 times the 90 % quantile of `|k2|` |
+//! | `k0` | 0.05 times the 90 % quantile of `|k2|`, and a thousandth of the reciprocal diagonal |
 //! | `alpha` | [`DirectionOptions::conformal_screening`] |
 //! | `theta` | [`Directions::angle`], from the first half-edge of the vertex, counter-clockwise |
 //!
@@ -153,7 +153,8 @@ impl Directions {
     }
 }
 
-/// Metric and field for panels of one length.
+/// Metric and field for panels of one length, on a surface whose diagonal is about 1: curvature
+/// counts as flat below a thousandth of the reciprocal unit.
 ///
 /// ```
 /// # use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
@@ -181,8 +182,9 @@ pub fn directions(
     directions_sized(surface, curvature, &length, options, &Silent)
 }
 
-/// Metric and field for panels of length `panel_length` at each vertex; for a caller who cancels
-/// perhaps without the conformal factor.
+/// Metric and field for panels of length `panel_length` at each vertex, on a surface whose diagonal
+/// is about 1, as for [`directions`]; for a caller who cancels perhaps without the conformal
+/// factor.
 ///
 /// # Errors
 /// If a linear system can't be solved, which only happens when the surface's triangles are

@@ -186,6 +186,9 @@ fn on(curves: Option<&BoundaryCurve>, p: Vec3) -> Vec3 {
     curves.map_or(p, |c| c.closest_point(p).position)
 }
 
+/// Diagonals within which a vertex lies in a plane, or at a place, that it was put in.
+pub(crate) const PUT_THERE: f64 = 1e-9;
+
 /// The closest point of a plane; exact in the coordinate of an axis-parallel normal.
 pub(crate) fn in_plane(p: Vec3, point: Vec3, normal: Vec3) -> Vec3 {
     match normal.iter().position(|c| c.abs() == 1.0) {

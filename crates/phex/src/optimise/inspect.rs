@@ -4,7 +4,8 @@ use super::options::OptimiseOptions;
 use super::panels::{FaceShapes, Panels};
 use super::terms::barrier::clearance;
 use super::terms::guard::{Breach, Guard};
-use phex_mesh::FaceId;
+use phex_mesh::measure::quantile;
+use phex_mesh::{FaceId, ValidateOptions};
 use serde::{Deserialize, Serialize};
 
 /// What is wrong with a panel.
@@ -49,7 +50,7 @@ pub struct Offender {
 
 /// Figures of a mesh. Lengths are in mean edges, deviations in the unit of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Quality {
+pub struct OptimisedFigures {
     /// Mean length of the edges, in the unit of the model.
     pub mean_edge: f64,
     /// Largest distance of a corner to the plane of its panel.
@@ -71,17 +72,19 @@ pub(super) fn inspect(
     x: &[f64],
     deviation: (f64, f64),
     options: &OptimiseOptions,
-) -> (Quality, Vec<Offender>) {
+) -> (OptimisedFigures, Vec<Offender>) {
     let shape = FaceShapes::at(panels, x);
     let mean_edge = panels.mean_edge(x);
     let clearances: Vec<f64> = (0..panels.n_faces())
         .map(|f| clearance(shape.face(panels, f)) / mean_edge)
         .collect();
-    let quality = Quality {
+    let mut ascending = clearances.clone();
+    ascending.sort_by(f64::total_cmp);
+    let quality = OptimisedFigures {
         mean_edge,
         planarity: shape.max_height() / mean_edge,
-        clearance: quantile(&clearances, 0.0),
-        clearance_p05: quantile(&clearances, 0.05),
+        clearance: quantile(&ascending, 0.0),
+        clearance_p05: quantile(&ascending, 0.05),
         deviation_max: deviation.0,
         deviation_rms: deviation.1,
     };
@@ -91,13 +94,6 @@ pub(super) fn inspect(
     }
     offenders.sort_by_key(|o| o.face);
     (quality, offenders)
-}
-
-fn quantile(values: &[f64], fraction: f64) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let at = (fraction * (sorted.len() - 1) as f64).floor() as usize;
-    sorted[at]
 }
 
 fn measured_faults(
@@ -111,7 +107,7 @@ fn measured_faults(
     for (f, &clearance) in clearances.iter().enumerate() {
         let heights = shape.face(panels, f).iter().map(|c| c.height.abs());
         let distance = heights.fold(0.0, f64::max) / mean_edge;
-        if clearance < options.least_clearance {
+        if clearance < ValidateOptions::CLEARANCE {
             offenders.push(offender(f, Fault::LowClearance { clearance }));
         }
         if distance > options.planarity_tolerance {

@@ -102,8 +102,8 @@ use terms::guard::Guard;
 
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub use error::{OptimiseError, SteeringError};
-pub(crate) use holds::in_plane;
-pub use inspect::{Fault, Offender, Quality};
+pub(crate) use holds::{PUT_THERE, in_plane};
+pub use inspect::{Fault, Offender, OptimisedFigures};
 pub(crate) use local::LocalPart;
 pub use options::{Dials, OptimiseOptions, PathKind, START_CLOSENESS, Solver, StartKind};
 pub(crate) use panels::Image;
@@ -158,7 +158,7 @@ pub struct RunSummary {
     /// Number of offenders.
     pub offenders: usize,
     /// Figures of the result.
-    pub quality: Quality,
+    pub quality: OptimisedFigures,
 }
 
 /// What the optimiser made.
@@ -177,7 +177,7 @@ pub struct Optimised {
     /// more than once.
     pub offenders: Vec<Offender>,
     /// Figures of the mesh.
-    pub quality: Quality,
+    pub quality: OptimisedFigures,
 }
 
 impl Optimised {

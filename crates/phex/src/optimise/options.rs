@@ -109,8 +109,6 @@ pub struct OptimiseOptions {
     /// Least angle at corners, degrees, in [0, 180]: an inequality, too, which sharp corners of the
     /// boundary and asymptotic rows can't meet.
     pub wished_angle: f64,
-    /// Clearance, in mean edges, below which a panel is an offender.
-    pub least_clearance: f64,
     /// Cosine between the normals of a panel and of the surface at its cell below which it counts
     /// as flipped.
     pub least_side: f64,
@@ -141,7 +139,6 @@ impl Default for OptimiseOptions {
             limits: 2e-2,
             wished_clearance: 1.15,
             wished_angle: WANTED_ANGLE,
-            least_clearance: 0.05,
             least_side: 0.1,
             smoothing: [3, 40],
         }
@@ -292,7 +289,6 @@ impl OptimiseOptions {
             ("evenness", self.evenness),
             ("energy_tolerance", self.energy_tolerance),
             ("step_tolerance", self.step_tolerance),
-            ("least_clearance", self.least_clearance),
             ("limits", self.limits),
             ("wished_clearance", self.wished_clearance),
         ])?;

@@ -1,7 +1,7 @@
 //! One run: rising penalties from one start, then the projection.
 
 use super::error::OptimiseError;
-use super::inspect::{Offender, Quality, inspect};
+use super::inspect::{Offender, OptimisedFigures, inspect};
 use super::options::{OptimiseOptions, Solver, StartKind};
 use super::panels::FaceShapes;
 use super::simple::crossed;
@@ -14,6 +14,7 @@ use super::terms::setting::{Setting, deviation, distances};
 use super::terms::shape_limits::ShapeLimits;
 use super::{RunSummary, Stage};
 use crate::progress::Progress;
+use phex_mesh::ValidateOptions;
 use phex_numeric::Status;
 
 /// Planarity up to which a mesh is projected without being optimised first.
@@ -55,7 +56,11 @@ impl Stage<'_> {
         if insists && !best.is_planar(options) {
             best = better(best, path.insist()?, options);
             if !path.is_over() && !best.is_planar(options) {
-                best = better(best, path.project(Some(options.least_clearance)), options);
+                best = better(
+                    best,
+                    path.project(Some(ValidateOptions::CLEARANCE)),
+                    options,
+                );
             }
         }
         // A few panels stand in the way. The others become planar without regard to them, and the
@@ -153,7 +158,7 @@ impl Stage<'_> {
         &self,
         x: &[f64],
         options: &OptimiseOptions,
-    ) -> (Quality, Vec<Offender>) {
+    ) -> (OptimisedFigures, Vec<Offender>) {
         let deviation = deviation(&self.setting(x), x);
         inspect(&self.panels, &self.guard, x, deviation, options)
     }

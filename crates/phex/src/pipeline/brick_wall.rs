@@ -149,7 +149,12 @@ pub fn network_curves(
     let panels = panel_count(input, options.size)?;
     let model = Normalised::of(input);
     let in_model = |e: PipelineError| e.in_model(&model);
-    let ground = Ground::new(&model.surface, panels, &with_corners(options));
+    // Sizes do not matter to curves, and are those of the input's vertices.
+    let unsized_options = MeshOptions {
+        size_field: None,
+        ..with_corners(options)
+    };
+    let ground = Ground::new(&model.surface, panels, &unsized_options);
     let site = BrickSite::new(&ground, &mut clock).map_err(in_model)?;
     let sampled = clock.stage("layout", || {
         sampled_network(&site, site.ground.panels, options)

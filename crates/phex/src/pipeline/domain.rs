@@ -171,14 +171,19 @@ impl Ground {
         let all = extension.as_ref().map_or(facets, |e| &e.surface);
         let share = all.area() / facets.area();
         let panels_in_all = (share * panels as f64).round() as usize;
+        let all_facets = match is_coarse || source.calm.is_some() {
+            true => with_strip(given),
+            false => all.clone(),
+        };
+        let finer = is_coarse.then(|| match near.is_clone_of(given) {
+            true => all_facets.clone(),
+            false => with_strip(near),
+        });
         Self {
             smooth: Arc::new(smooth(all, panels_in_all)),
             given: given.clone(),
-            facets: match is_coarse || source.calm.is_some() {
-                true => with_strip(given),
-                false => all.clone(),
-            },
-            finer: is_coarse.then(|| with_strip(near)),
+            facets: all_facets,
+            finer,
             asked: panels,
             panels: panels_in_all,
             known: KnownCurvature::default(),
@@ -291,7 +296,7 @@ impl Ground {
             levels: self.smooth.refinements.len(),
             original: trimming.smooth.finest(),
             corner_angle: self.options.target.corner_angle.to_radians(),
-            limit: self.options.limits().boundary_rel,
+            limit: self.options.boundary_limit(),
         };
         trim::trim(mesh, &domain, self.options.boundary)
     }

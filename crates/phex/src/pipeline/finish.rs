@@ -64,7 +64,7 @@ pub(super) fn finished(
         now.offer(next.map(|n| n.mesh));
         // Further corners where edges would cut the boundary short.
         let corner_angle = options.target.corner_angle.to_radians();
-        let limit = options.limits().boundary_rel;
+        let limit = options.boundary_limit();
         now.offer(followed(&now.mesh, surface, corner_angle, limit));
     }
     Ok((now.mesh, now.judgement))

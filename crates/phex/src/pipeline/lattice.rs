@@ -77,13 +77,11 @@ impl Surfaces {
     /// Does something with the site of these surfaces.
     fn with_site<T>(&self, options: &MeshOptions, work: impl FnOnce(&Site<'_>) -> T) -> T {
         let beyond = self.beyond.as_ref().map(Beyond::surfaces);
-        let references = References {
-            smooth: Some(&self.reported),
-            facets: Some(&self.facets),
+        let others = References {
             beyond,
-            elsewhere: &[],
+            ..References::of_facets(Some(&self.facets))
         };
-        let judge = Judge::new(&self.reported, references, options.limits());
+        let judge = Judge::new(&self.reported, others, options.limits());
         work(&Site {
             judge: &judge,
             close_to: &SurfaceTarget::new(beyond.map_or(&self.reported, |b| b[0])),

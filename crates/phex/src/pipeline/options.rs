@@ -174,6 +174,13 @@ impl MeshOptions {
         self.cell_density.max(self.field_density) * panels as f64
     }
 
+    /// Distance to the boundary, over the diagonal, that edges along it may have: the usual one, or
+    /// the limit where that is less.
+    pub(super) fn boundary_limit(&self) -> f64 {
+        let limit = self.limits().boundary_rel.unwrap_or(USUAL_DEVIATION);
+        limit.min(USUAL_DEVIATION)
+    }
+
     /// What a mesh must keep to.
     pub fn limits(&self) -> Limits {
         let deviation = self.optimise.max_deviation.unwrap_or(USUAL_DEVIATION);

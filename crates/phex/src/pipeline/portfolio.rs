@@ -29,7 +29,7 @@ use rayon::prelude::*;
 use std::sync::Mutex;
 
 /// What is told where nothing was searched.
-const HOPELESS: &str = "more than a third of the panels are broken: they are too large for the surface, and no local change was tried";
+const HOPELESS: &str = "more than a third of the panels are invalid: they are too large for the surface, and no local change was tried";
 
 /// A member of the portfolio after its single pass.
 struct Member {

@@ -16,12 +16,14 @@ use rayon::prelude::*;
 const FEW: f64 = 0.002;
 /// Error of the number of panels, as a logarithm, up to which regularity alone counts.
 const MISCOUNT: f64 = 0.1;
-/// Lattices at the most, and their panels in all: with 10,000 panels the best of four has a
-/// twentieth fewer irregular ones than the first, with 1,000 a fifth.
+/// Lattices at the most: with 1,000 panels the best of four has a fifth fewer irregular ones than
+/// the first.
 const STARTS: usize = 4;
 /// The same between mirror planes, where what is irregular has images and a lattice costs a part of
 /// what one of the whole would: 16 are not better.
 const MIRRORED_STARTS: usize = 8;
+/// Panels of all lattices at the most: with 10,000 panels in each, the best of four has but a
+/// twentieth fewer irregular ones than the first.
 const PANELS: usize = 8000;
 /// Restarts number themselves in the upper half of the seed, so that seeds one after the other
 /// share none.

@@ -1,7 +1,7 @@
 //! A surface kept between runs: what a change of options does not touch is not computed again.
 
 use super::domain::Ground;
-use super::options::MeshOptions;
+use super::options::{MeshOptions, Method};
 use super::preview::{LatticePreview, lay_out};
 use super::symmetric;
 use super::watched::InModel;
@@ -48,6 +48,7 @@ pub struct Session {
 struct GroundKey {
     diagonal: f64,
     panels: usize,
+    method: Method,
     boundary: Boundary,
     target: TargetOptions,
     max_deviation: Option<f64>,
@@ -61,6 +62,7 @@ impl GroundKey {
             // Raised heights make another surface.
             diagonal: surface.diagonal(),
             panels,
+            method: options.method,
             boundary: options.boundary,
             target: options.target.clone(),
             max_deviation: options.optimise.max_deviation,

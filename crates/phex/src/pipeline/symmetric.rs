@@ -13,7 +13,7 @@ use super::rim::corner_points;
 use super::sized::mean_length;
 use super::{Candidate, Clock, Effort, MeshOptions, MeshRun, Method, PipelineError, Statistics};
 use crate::layout::same_topology;
-use crate::optimise::{self, BoundaryHold, Quotient, Steering, SurfaceTarget};
+use crate::optimise::{self, BoundaryHold, PUT_THERE, Quotient, Steering, SurfaceTarget};
 use crate::progress::{Event, Progress};
 use crate::quality::{Judge, Limits, Merit, References};
 use crate::repetition::RepetitionTask;
@@ -81,12 +81,8 @@ fn symmetric(
     let (found, turns) = clock.stage("symmetry", || symmetry::find(whole, SYMMETRY_TOLERANCE))?;
     let found = found.ok_or_else(|| without_mirrors(turns))?;
     let groups = used(&found, whole, panels, options.symmetry)?;
-    let references = References {
-        smooth: Some(whole),
-        facets: Some(surface),
-        ..References::default()
-    };
-    let judge = Judge::new(whole, references, options.limits());
+    let facets = References::of_facets(Some(surface));
+    let judge = Judge::new(whole, facets, options.limits());
     let made = |group: Group, share: f64| {
         let panels = (share * panels as f64).round() as usize;
         let domain = DomainPanels::new(whole, &found, group, panels, options)?;
@@ -419,7 +415,7 @@ impl<'a> DomainPanels<'a> {
             let ends = surface.topology().edge_vertices(*e);
             let on = |n: &Vec3| {
                 ends.iter()
-                    .all(|v| n.dot(&surface.positions()[*v]).abs() < 1e-9)
+                    .all(|v| n.dot(&surface.positions()[*v]).abs() < PUT_THERE)
             };
             walls.iter().any(on)
         });
@@ -495,14 +491,10 @@ impl<'a> DomainPanels<'a> {
         let (options, walls) = (&self.options, self.group.walls());
         let reported = ground.reported(&laid.surface);
         let facets = ground.given_facets();
-        let references = References {
-            smooth: Some(reported),
-            facets: Some(facets),
-            ..References::default()
-        };
-        let judge = Judge::new(reported, references, options.limits());
+        let others = References::of_facets(Some(facets));
+        let judge = Judge::new(reported, others, options.limits());
         let mut corners = corner_points(reported, options);
-        corners.retain(|p| walls.iter().all(|n| n.dot(p).abs() > 1e-9));
+        corners.retain(|p| walls.iter().all(|n| n.dot(p).abs() > PUT_THERE));
         let hold = target.boundary().map(|curves| BoundaryHold {
             curves: curves.clone(),
             corners,
@@ -565,10 +557,6 @@ impl<'a> DomainPanels<'a> {
 
     /// The judge of the part with all its images, on the whole surface in the part's coordinates.
     fn whole_judge<'b>(&self, whole: &'b TriangleSurface) -> Judge<'b> {
-        let references = References {
-            smooth: Some(whole),
-            ..References::default()
-        };
         let limits = self.options.limits();
         let of_whole = |share: f64| share * self.scale;
         let limits = Limits {
@@ -576,7 +564,7 @@ impl<'a> DomainPanels<'a> {
             boundary_rel: limits.boundary_rel.map(of_whole),
             ..limits
         };
-        Judge::new(whole, references, limits)
+        Judge::new(whole, References::default(), limits)
     }
 
     /// The part and all its images, normalised.

@@ -49,8 +49,8 @@ pub struct References<'a> {
     /// Both continued beyond the boundary, where panels may stick out: their distance is measured
     /// to these.
     pub beyond: Option<[&'a TriangleSurface; 2]>,
-    /// Faces whose boundary is led elsewhere than along the surface's own, by a curve or a ground
-    /// plane: there it is not compared with that, and no share of the area is asked for.
+    /// Faces, in order, whose boundary is led elsewhere than along the surface's own, by a curve or
+    /// a ground plane: there it is not compared with that, and no share of the area is asked for.
     pub elsewhere: &'a [FaceId],
 }
 
@@ -61,6 +61,11 @@ impl<'a> References<'a> {
             facets,
             ..Self::default()
         }
+    }
+
+    /// Whether the boundary of a face is led elsewhere.
+    pub(super) fn is_led(&self, face: FaceId) -> bool {
+        self.elsewhere.binary_search(&face).is_ok()
     }
 
     /// The surface that the limits refer to: the smooth one where there is one.
@@ -126,6 +131,7 @@ pub struct Assessment {
     /// How far teeth of the surface's boundary stand out of the calm line that the mesh's boundary
     /// was compared with instead, a length; `None` without teeth, or where a smooth surface, which
     /// has none, was compared with.
+    #[serde(skip)]
     pub calmed: Option<f64>,
     /// Everything that is wrong, located.
     pub violations: Vec<Violation>,
@@ -157,7 +163,7 @@ impl Assessment {
         };
         let away = |s: &TriangleSurface, k: usize| {
             let lengths = [mesh.mean_edge(), s.diagonal()];
-            let bare_rim = |f| limits.bare_rim(lengths, references.elsewhere.contains(&f));
+            let bare_rim = |f| limits.bare_rim(lengths, references.is_led(f));
             let beyond = references.beyond.map_or(s, |b| b[k]);
             deviation_beyond(mesh, s, beyond, bare_rim)
         };

@@ -4,7 +4,7 @@ use super::Limits;
 use crate::layout::MAX_PANELS;
 use phex_mesh::measure::{BoundaryFit, Deviation, MeshMeasures, Spot};
 use phex_mesh::validate::{ValidateOptions, Violation, planarity_floor};
-use phex_mesh::{FaceId, HexMesh, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{BoundaryCurve, FaceId, HexMesh, PerVertex, TriangleSurface, Vec3, VertexId};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -352,7 +352,7 @@ pub(super) fn boundary_checks(
 ) -> Vec<Check> {
     let place = |spots: &[Spot]| worst(spots.iter().map(|s| (s.distance, s.point)));
     let follows = limits.boundary_rel.map(|limit| {
-        let follows = |s: &&Spot| !elsewhere.contains(&s.face);
+        let follows = |s: &&Spot| elsewhere.binary_search(&s.face).is_err();
         let apart: Vec<Spot> = fit.apart.iter().filter(follows).copied().collect();
         let value = apart.iter().map(|s| s.distance).fold(0.0, f64::max);
         let far = apart.iter().filter(|s| s.distance > limit);
@@ -382,12 +382,12 @@ fn topology_check(mesh: &HexMesh, surface: &TriangleSurface, deviation: &Deviati
     }
     let ours = mesh.topology().boundary_loops();
     let theirs = surface.topology().boundary_loops();
-    let at = |l: &[VertexId]| -> Vec<Vec3> { l.iter().map(|v| mesh.position(*v)).collect() };
-    let below =
-        |l: &[VertexId]| -> Vec<Vec3> { l.iter().map(|v| surface.positions()[*v]).collect() };
+    let closed = |l: &[VertexId], positions: &PerVertex<Vec3>| -> Vec<Vec3> {
+        l.iter().chain(l.first()).map(|v| positions[*v]).collect()
+    };
     let [mine, given] = [
-        ours.iter().map(|l| at(l)).collect::<Vec<_>>(),
-        theirs.iter().map(|l| below(l)).collect(),
+        (ours.iter().map(|l| closed(l, &mesh.positions))).collect::<Vec<_>>(),
+        (theirs.iter().map(|l| closed(l, surface.positions()))).collect(),
     ];
     let (faces, place): (Vec<FaceId>, Option<Vec3>) = if mine.len() > given.len() {
         let odd = loneliest(&mine, &given);
@@ -414,14 +414,33 @@ fn topology_check(mesh: &HexMesh, surface: &TriangleSurface, deviation: &Deviati
 
 /// The loop that is farthest from all of the others.
 fn loneliest(loops: &[Vec<Vec3>], others: &[Vec<Vec3>]) -> usize {
+    let others = BoundaryCurve::of_polylines(others);
     let gap = |l: &Vec<Vec3>| {
         let to = |p: &Vec3| {
-            let points = others.iter().flatten();
-            points.map(|q| (p - q).norm()).fold(f64::INFINITY, f64::min)
+            let distance = |o: &BoundaryCurve| (o.closest_point(*p).position - p).norm();
+            others.as_ref().map_or(f64::INFINITY, distance)
         };
         l.iter().map(to).fold(0.0, f64::max)
     };
     let gaps: Vec<f64> = loops.iter().map(gap).collect();
     let order = (0..gaps.len()).max_by(|&i, &j| gaps[i].total_cmp(&gaps[j]));
     order.unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The rim of many vertices lies on the one of four, far from its corners.
+    #[test]
+    fn the_loneliest_loop_is_far_from_edges_and_not_from_corners_alone() {
+        let at = |x: f64, y: f64| Vec3::new(x, y, 0.0);
+        let square = |extent: f64| {
+            let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0)];
+            corners.map(|(x, y)| at(extent * x, extent * y)).to_vec()
+        };
+        let rim = (0..=40).map(|k| at(0.25 * f64::from(k), 0.0)).collect();
+        let hole = square(0.4).iter().map(|p| p + at(0.3, 0.3)).collect();
+        assert_eq!(loneliest(&[hole, rim], &[square(10.0)]), 0);
+    }
 }

@@ -187,9 +187,13 @@ pub struct Judge<'a> {
 }
 
 impl<'a> Judge<'a> {
-    /// The judge of meshes that stand for a surface.
-    pub fn new(surface: &'a TriangleSurface, references: References<'a>, limits: Limits) -> Self {
+    /// The judge of meshes that stand for a smooth surface, and for what `others` has besides.
+    pub fn new(surface: &'a TriangleSurface, others: References<'a>, limits: Limits) -> Self {
         let topology = surface.topology();
+        let references = References {
+            smooth: Some(surface),
+            ..others
+        };
         Self {
             on_boundary: PerVertex::from_fn(topology.n_vertices(), |v| {
                 topology.is_boundary_vertex(v)
@@ -379,7 +383,7 @@ impl<'a> Judge<'a> {
     /// Whether a point of the surface is so far from its boundary that it is to be covered; `f` is
     /// the face that is closest to it.
     fn is_inside(&self, p: Vec3, f: FaceId, mean_edge: f64) -> bool {
-        let is_led = self.references.elsewhere.contains(&f);
+        let is_led = self.references.is_led(f);
         let rim = (self.limits).bare_rim([mean_edge, self.diagonal], is_led);
         self.curve.as_ref().is_none_or(|c| !c.is_within(p, rim))
     }
@@ -412,8 +416,8 @@ impl<'a> Judge<'a> {
         let (Some(curve), Some(limit)) = (&self.curve, self.limits.boundary_rel) else {
             return;
         };
-        let elsewhere = self.references.elsewhere;
-        let counts = |f: &FaceId| scope.counts[f.index()] && !elsewhere.contains(f);
+        let is_led = |f: &FaceId| self.references.is_led(*f);
+        let counts = |f: &FaceId| scope.counts[f.index()] && !is_led(f);
         let rim = points_on_boundary(scope.mesh);
         let mut add = |f: FaceId, distance: f64| {
             let face = &mut of_face[f];
@@ -426,9 +430,7 @@ impl<'a> Judge<'a> {
             return;
         };
         let points = scope.points.iter().zip(closest);
-        for (v, (f, _)) in
-            points.filter(|(v, (f, _))| self.on_boundary[**v] && !elsewhere.contains(f))
-        {
+        for (v, (f, _)) in points.filter(|(v, (f, _))| self.on_boundary[**v] && !is_led(f)) {
             let p = self.surface.positions()[*v];
             add(*f, (own.closest_point(p).position - p).norm());
         }
@@ -520,12 +522,8 @@ mod tests {
     }
 
     fn judge(surface: &TriangleSurface) -> Judge<'_> {
-        let references = References {
-            smooth: Some(surface),
-            ..Default::default()
-        };
         let limits = Limits::new(Some(5e-3), None);
-        Judge::new(surface, references, limits)
+        Judge::new(surface, References::default(), limits)
     }
 
     /// The wall with one inner vertex moved.

@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 /// what PH-CPF allows.
 pub const USUAL_DEVIATION: f64 = 5e-3;
 /// Share of an open surface's area that panels cover at least, whatever happens at the boundary:
-/// `whole` leaves half a row of panels bare.
+/// `whole` leaves half a row of panels bare. Trimming to whole panels keeps to half a hundredth
+/// more (`trim/whole.rs`).
 const COVERED: f64 = 0.97;
 /// Width of the band along the boundary, in mean edges, in which the surface need not be near the
 /// panels: whole panels leave half a row of it bare.

@@ -72,6 +72,9 @@ pub(crate) struct RepetitionTask<'a> {
 }
 
 impl RepetitionTask<'_> {
+    /// Panels of a mesh at the most.
+    pub const MOST_PANELS: usize = LengthStage::MOST_PANELS;
+
     /// The mesh with as few distinct edge lengths as are found.
     ///
     /// # Errors
@@ -102,9 +105,7 @@ impl RepetitionTask<'_> {
                 done,
                 total: TRIALS,
             });
-            let Some(steps) = self.drawn(&mut stage, &best, wanted, progress)? else {
-                break;
-            };
+            let steps = self.drawn(&mut stage, &best, wanted, progress)?;
             let counted = steps
                 .into_iter()
                 .map(|m| (distinct_lengths(&m, self.tolerance), m));
@@ -146,21 +147,18 @@ impl RepetitionTask<'_> {
         from: &HexMesh,
         clusters: usize,
         progress: &dyn Progress,
-    ) -> Result<Option<Vec<HexMesh>>, OptimiseError> {
+    ) -> Result<Vec<HexMesh>, OptimiseError> {
         let mut shared = SharedLengths::new(&lengths(from), clusters);
         let mut now = from.clone();
         let mut steps = Vec::new();
         for weight in WEIGHTS {
-            let Some(next) = stage.drawn(&now, &shared.targets(&now), weight, progress)? else {
-                return Ok(None);
-            };
-            now = next;
+            now = stage.drawn(&now, &shared.targets(&now), weight, progress)?;
             steps.push(now.clone());
             shared.settle(&lengths(&now));
             if progress.is_cancelled() || shared.spread(&now) <= 0.5 * self.tolerance {
                 break;
             }
         }
-        Ok(Some(steps))
+        Ok(steps)
     }
 }

@@ -1,10 +1,8 @@
 //! The JSON report of a run.
 
 use super::FeatureSizes;
-use crate::quality::{Assessment, Check, Omitted, Verdict, contradiction};
+use crate::quality::{Assessment, contradiction};
 use crate::repetition::Repetition;
-use phex_mesh::measure::{BoundaryFit, Deviation, MeshMeasures};
-use phex_mesh::validate::Violation;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -85,31 +83,17 @@ pub struct RunReport {
     pub statistics: Value,
     /// How the computation ended.
     pub outcome: Value,
-    /// What the checks amount to.
-    pub verdict: Verdict,
-    /// Every check that was made.
-    pub checks: Vec<Check>,
-    /// Every check that was not.
-    pub not_checked: Vec<Omitted>,
+    /// Verdict, checks, figures and violations of the mesh.
+    #[serde(flatten)]
+    pub assessment: Assessment,
     /// What the mesh was judged by, as it was typed: `planarity`, `max_deviation`, `boundary`,
     /// `unit`; `phex check --report-of` reads it.
     pub limits: Value,
-    /// Figures of the mesh.
-    pub measures: MeshMeasures,
-    /// Distance to the smooth target.
-    pub deviation_smooth: Option<Deviation>,
-    /// Distance to the original facets.
-    pub deviation_facets: Option<Deviation>,
-    /// How the mesh ends where the surface ends; `null` without a surface, or if one of the two is
-    /// closed.
-    pub boundary: Option<BoundaryFit>,
     /// How large panels are for the surface's curvature; `null` without a surface.
     pub feature_sizes: Option<FeatureSizes>,
     /// How many parts are alike, before edges were made equal and now; `null` where that was not
     /// asked for.
     pub repetition: Option<Repetition>,
-    /// Everything that is wrong, located.
-    pub violations: Vec<Violation>,
     /// What was noticed on the way.
     pub notes: Vec<String>,
     /// What was written.
@@ -146,39 +130,12 @@ impl RunReport {
             stages: Vec::new(),
             statistics: Value::Null,
             outcome: Value::Null,
-            verdict: assessment.verdict,
-            checks: assessment.checks,
-            not_checked: assessment.not_checked,
+            assessment,
             limits: Value::Null,
-            measures: assessment.measures,
-            deviation_smooth: assessment.deviation_smooth,
-            deviation_facets: assessment.deviation_facets,
-            boundary: assessment.boundary,
             feature_sizes: None,
             repetition: None,
-            violations: assessment.violations,
             notes,
             outputs: Vec::new(),
-        }
-    }
-
-    /// The deviation that the tolerance refers to, where there is a surface.
-    pub fn judged_deviation(&self) -> Option<&Deviation> {
-        (self.deviation_smooth.as_ref()).or(self.deviation_facets.as_ref())
-    }
-
-    /// The assessment that the report was made around.
-    pub fn assessment(&self) -> Assessment {
-        Assessment {
-            verdict: self.verdict,
-            checks: self.checks.clone(),
-            not_checked: self.not_checked.clone(),
-            measures: self.measures.clone(),
-            deviation_smooth: self.deviation_smooth.clone(),
-            deviation_facets: self.deviation_facets.clone(),
-            boundary: self.boundary.clone(),
-            calmed: None,
-            violations: self.violations.clone(),
         }
     }
 

@@ -2,18 +2,15 @@
 //! panels are merged by taking the edge between them away, and one is split by a new edge. Interior
 //! vertices keep three panels throughout.
 
-use crate::layout::moves::glide;
+use crate::layout::moves::{LEAST_CORNERS, OPENING, glide};
 use phex_mesh::polygon::sides;
 use phex_mesh::{Topology, Vec3, numbered, turn_edge};
 
-/// Corners that a panel must keep, and that it may come to have.
-const LEAST: usize = 4;
+/// Corners that a panel may come to have.
 const MOST: usize = 9;
 /// Turns of edges after a change at the most, and sequences of them.
 const TURNS: usize = 24;
 const GLIDES: usize = 6;
-/// Share of the way from a turned edge's middle to its new ends.
-const OPENING: f64 = 0.25;
 
 /// Panels as lists of corners.
 #[derive(Clone, Debug)]
@@ -55,7 +52,7 @@ impl Draft {
     fn irregularity(&self, f: usize, n: usize) -> i64 {
         let at_rim = self.faces[f].iter().any(|v| self.on_boundary[*v as usize]);
         match at_rim {
-            true if (LEAST..=7).contains(&n) => 0,
+            true if (LEAST_CORNERS..=7).contains(&n) => 0,
             true => 1,
             false => (n as i64 - 6).pow(2),
         }
@@ -103,7 +100,8 @@ impl Draft {
         let (at_u, at_v) = (other(u)?, other(v)?);
         let open = [left, right, at_u, at_v].iter().all(|f| self.open[*f]);
         let apart = at_u != at_v && !self.share_a_corner(at_u, at_v);
-        let enough = self.faces[left].len() > LEAST && self.faces[right].len() > LEAST;
+        let enough =
+            self.faces[left].len() > LEAST_CORNERS && self.faces[right].len() > LEAST_CORNERS;
         let few = self.faces[at_u].len() < MOST && self.faces[at_v].len() < MOST;
         (open && apart && enough && few).then_some(Turn {
             left,
@@ -135,7 +133,7 @@ impl Draft {
         next.faces[g].clear();
         for x in [u, v].into_iter().filter(inside) {
             for h in incidence.faces_at(x) {
-                if h != f && h != g && (!self.open[h] || self.faces[h].len() <= LEAST) {
+                if h != f && h != g && (!self.open[h] || self.faces[h].len() <= LEAST_CORNERS) {
                     return None;
                 }
             }
@@ -143,7 +141,7 @@ impl Draft {
                 .iter_mut()
                 .for_each(|face| face.retain(|y| *y != x));
         }
-        (next.faces[f].len() >= LEAST).then_some(next)
+        (next.faces[f].len() >= LEAST_CORNERS).then_some(next)
     }
 
     /// Splits a panel by an edge between the middles of its sides number `i` and `j`.
@@ -175,7 +173,7 @@ impl Draft {
             ring.collect::<Vec<u32>>()
         };
         let (one, two) = (part(i, j, cuts[0], cuts[1]), part(j, i, cuts[1], cuts[0]));
-        if !self.open[f] || one.len() < LEAST || two.len() < LEAST {
+        if !self.open[f] || one.len() < LEAST_CORNERS || two.len() < LEAST_CORNERS {
             return None;
         }
         next.faces[f] = one;

@@ -116,8 +116,8 @@ struct Failed {
 ///
 /// let options = MeshOptions { size: PanelSize::Panels(60), effort: Effort::Draft, ..Default::default() };
 /// let run = mesh_surface(&torus, &options, &Silent)?;
-/// let references = References { smooth: Some(&run.target), ..Default::default() };
-/// let judge = Judge::new(&run.target, references, Limits::new(Some(0.02), None));
+/// let limits = Limits::new(Some(0.02), None);
+/// let judge = Judge::new(&run.target, References::default(), limits);
 /// let site = Site {
 ///     judge: &judge,
 ///     close_to: &SurfaceTarget::new(&run.target),

@@ -3,7 +3,8 @@
 use super::patch::{Built, Patch};
 use crate::layout::{Layout, PanelWish, VertexKind};
 use crate::optimise::{
-    BoundaryHold, FaceLimits, LocalPart, OptimiseOptions, ShapeWish, SurfaceTarget, Target,
+    BoundaryHold, FaceLimits, LocalPart, OptimiseOptions, PUT_THERE, ShapeWish, SurfaceTarget,
+    Target,
 };
 use crate::progress::{Progress, Quiet};
 use crate::quality::{Judge, Judgement, Scope, Shapes, Yardstick};
@@ -61,8 +62,6 @@ pub struct Site<'a> {
 
 /// Distance beyond a mirror plane, mean edges, from which on a panel lies across it.
 const ACROSS: f64 = 1e-3;
-/// Distance from a mirror plane, diagonals, within which a corner lies in it, and rests.
-const IN_PLANE: f64 = 1e-9;
 
 impl Site<'_> {
     /// The faces that lie across a mirror plane.
@@ -205,7 +204,7 @@ impl Site<'_> {
         let (n_faces, edge) = (built.mesh.topology().n_faces(), whole.yardstick.mean_edge);
         let cover = (self.judge).far_points(n_faces, (points, closest), (edge, FAR));
         // What lies in a mirror plane and moves along the boundary would leave its image.
-        let near = IN_PLANE * whole.diagonal;
+        let near = PUT_THERE * whole.diagonal;
         let in_plane = |p: &Vec3| self.mirrors.iter().any(|n| n.dot(p).abs() <= near);
         let places = built.mesh.positions.iter();
         let free: Vec<bool> = (places.zip(&built.free))

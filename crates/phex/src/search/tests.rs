@@ -46,10 +46,6 @@ fn searched_between(
     deviation: f64,
     mirrors: &[Vec3],
 ) -> Searched {
-    let references = References {
-        smooth: Some(surface),
-        ..Default::default()
-    };
     let limits = Limits::new(Some(deviation), Some(Boundary::Snap));
     let options = OptimiseOptions {
         max_deviation: Some(deviation),
@@ -58,7 +54,7 @@ fn searched_between(
     search(
         mesh.clone(),
         &Site {
-            judge: &Judge::new(surface, references, limits),
+            judge: &Judge::new(surface, References::default(), limits),
             close_to: &SurfaceTarget::new(surface),
             hold: Some(BoundaryHold {
                 curves: BoundaryCurve::of(surface).unwrap(),
@@ -81,13 +77,9 @@ fn bits(mesh: &HexMesh) -> (Vec<[u64; 3]>, Vec<Vec<u32>>) {
 /// What a mesh is compared by.
 fn merit(mesh: &HexMesh, deviation: f64) -> Merit {
     let surface = &wave().0;
-    let references = References {
-        smooth: Some(surface),
-        ..Default::default()
-    };
     let limits = Limits::new(Some(deviation), Some(Boundary::Snap));
     let any = vec![0.0; mesh.topology().n_faces()];
-    Judge::new(surface, references, limits)
+    Judge::new(surface, References::default(), limits)
         .whole(mesh, &any)
         .merit
 }
@@ -288,13 +280,13 @@ fn a_search_ends_where_nothing_is_found() {
         .collect();
     let places = surface.positions().iter().map(bump).collect();
     let bumpy = TriangleSurface::new(places, &triangles).unwrap();
-    let references = References {
-        smooth: Some(&bumpy),
-        ..Default::default()
-    };
     let deviation = 2.0 * farthest / mesh.diagonal();
     let site = Site {
-        judge: &Judge::new(&bumpy, references, Limits::new(Some(deviation), None)),
+        judge: &Judge::new(
+            &bumpy,
+            References::default(),
+            Limits::new(Some(deviation), None),
+        ),
         close_to: &SurfaceTarget::new(surface),
         hold: None,
         mirrors: &[],

@@ -18,7 +18,7 @@ use super::coarsen::delaunay;
 use super::creases::creases;
 use super::opened::Opened;
 use super::slivers::{IN_PLANE, without_slivers};
-use super::{Refinement, SmoothTarget};
+use super::{Refinement, SmoothTarget, spacing};
 use phex_mesh::{
     EdgeId, FaceId, HalfEdgeId, PerEdge, PerFace, PerVertex, Topology, TriangleSurface, Vec3,
     VertexId,
@@ -78,7 +78,7 @@ pub(crate) fn cut_short(
     wanted: usize,
     mirrors: &[[Vec3; 2]],
 ) -> Option<CutShort> {
-    let spacing = (surface.area() * 2.0 / (3.0_f64.sqrt() * wanted.max(1) as f64)).sqrt();
+    let spacing = spacing(surface, wanted);
     if !is_elongated(surface, spacing) {
         return None;
     }

@@ -60,7 +60,8 @@ pub fn extend(surface: &TriangleSurface, width: f64, room: f64) -> Option<Extens
         .iter()
         .map(|boundary| line_through_teeth(surface, boundary).0);
     let mut rim: Vec<Vec3> = lines.flatten().collect();
-    rim.sort_by(|p, q| p.x.total_cmp(&q.x));
+    let axis = longest_axis(&rim);
+    rim.sort_by(|p, q| p[axis].total_cmp(&q[axis]));
     let longest = loops
         .iter()
         .map(|l| surface.length_round(l))
@@ -69,7 +70,7 @@ pub fn extend(surface: &TriangleSurface, width: f64, room: f64) -> Option<Extens
     for boundary in &loops {
         let shortened = |width: f64| {
             let mut arcs = arcs(surface, boundary, width);
-            shorten(&mut arcs, &rim, width);
+            shorten(&mut arcs, (&rim, axis), width);
             arcs
         };
         let is_hole = surface.length_round(boundary) < longest;
@@ -211,14 +212,26 @@ fn has_room(arcs: &[Arc], width: f64) -> bool {
     2 * long > arcs.len()
 }
 
+/// The axis along which points spread most: few are near one another there.
+fn longest_axis(points: &[Vec3]) -> usize {
+    let lowest = points
+        .iter()
+        .fold(Vec3::repeat(f64::MAX), |low, p| low.inf(p));
+    let highest = points
+        .iter()
+        .fold(Vec3::repeat(f64::MIN), |high, p| high.sup(p));
+    (highest - lowest).imax()
+}
+
 /// Ends arcs before they could meet the continuation of another part of the boundary, whose points
-/// come in the order of their first coordinates.
-fn shorten(arcs: &mut [Arc], rim: &[Vec3], width: f64) {
+/// come in the order of their coordinates along an axis.
+fn shorten(arcs: &mut [Arc], (rim, axis): (&[Vec3], usize), width: f64) {
     let reach = 4.0 * width;
     for arc in arcs.iter_mut() {
-        let first = rim.partition_point(|p| p.x < arc.start.x - reach);
+        let at = arc.start[axis];
+        let first = rim.partition_point(|p| p[axis] < at - reach);
         let near = rim[first..].iter();
-        for p in near.take_while(|p| p.x <= arc.start.x + reach) {
+        for p in near.take_while(|p| p[axis] <= at + reach) {
             let d = p - arc.start;
             let (distance2, ahead) = (d.norm_squared(), d.dot(&arc.direction));
             if ahead > 1e-3 * distance2.sqrt() && distance2 < reach * reach {
@@ -401,7 +414,7 @@ mod tests {
         let hole = (loops.iter()).find(|l| surface.positions()[l[0]].norm() < 1.5);
         let mut arcs = arcs(&surface, hole.unwrap(), 3.0);
         let rim: Vec<Vec3> = arcs.iter().map(|a| a.start).collect();
-        shorten(&mut arcs, &rim, 3.0);
+        shorten(&mut arcs, (&rim, 0), 3.0);
         assert!(!has_room(&arcs, 3.0));
         let longest = arcs.iter().map(|a| a.length).fold(0.0, f64::max);
         assert!((longest - CLEAR).abs() < 0.01, "{longest}");

@@ -177,6 +177,11 @@ pub fn smooth_target(
     }
 }
 
+/// Distance between neighbours among so many vertices on a surface, in equilateral triangles.
+fn spacing(surface: &TriangleSurface, vertices: usize) -> f64 {
+    (surface.area() * 2.0 / (3.0_f64.sqrt() * vertices.max(1) as f64)).sqrt()
+}
+
 fn rebuilt(positions: Vec<Vec3>, faces: &[[u32; 3]]) -> TriangleSurface {
     TriangleSurface::new(positions, faces).expect("refinement keeps a manifold a manifold")
 }

@@ -6,7 +6,7 @@ use std::fmt;
 use std::str::FromStr;
 
 /// Largest order of rotation that can be asked for.
-const MOST_TURNS: u32 = 1000;
+pub(super) const MOST_TURNS: u32 = 1000;
 
 /// Which symmetries of a surface its panels have: `auto`, `none`, `mirror` or the order of a
 /// rotation, in text as in job files.

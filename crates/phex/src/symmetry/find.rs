@@ -16,7 +16,7 @@ use phex_mesh::{BoundaryCurve, TriangleSurface, Vec3, VertexId};
 use rayon::prelude::*;
 
 /// Largest order of a rotation that is looked for.
-const MOST_TURNS: u32 = 24;
+const MOST_FOUND: u32 = 24;
 /// Harmonics over the zeroth below which they count as none.
 const NO_HARMONIC: f64 = 2e-3;
 /// Vertices that a candidate is tried on first.
@@ -205,9 +205,9 @@ impl<'a> AxisSearch<'a> {
             && self.holds(&frame, &turn(16, 100));
         if about.revolution {
             about.mirrors = self.holds(&frame, &reflection(Vec3::y()));
-            about.turns = MOST_TURNS;
+            about.turns = MOST_FOUND;
         } else {
-            let turns = (2..=MOST_TURNS).rev();
+            let turns = (2..=MOST_FOUND).rev();
             let possible = |n: &u32| {
                 let others = (1..harmonics.len()).filter(|m| !m.is_multiple_of(*n as usize));
                 others.map(strongest).fold(0.0, f64::max) < 0.2 * most + NO_HARMONIC
@@ -251,7 +251,7 @@ impl<'a> AxisSearch<'a> {
     /// are relative to the zeroth.
     fn harmonics(&self, frame: &Frame) -> Vec<Complex<f64>> {
         const WEIGHTS: usize = 4;
-        let count = MOST_TURNS as usize + 1;
+        let count = MOST_FOUND as usize + 1;
         let mut sums = vec![[Complex::default(); WEIGHTS]; count];
         let mut totals = [0.0; WEIGHTS];
         for (p, area) in &self.middles {

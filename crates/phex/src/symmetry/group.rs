@@ -1,5 +1,6 @@
 //! Groups of mirror planes: reflections in two planes through an axis, and in one across it.
 
+use super::choice::MOST_TURNS;
 use crate::directions::MirrorPlane;
 use crate::optimise::in_plane;
 use nalgebra::Matrix3;
@@ -110,9 +111,20 @@ pub(crate) fn reflection(normal: Vec3) -> Matrix3<f64> {
     }
 }
 
-/// The number of an element in a list.
+/// The number of an element among those of a group.
 pub(crate) fn number_of(elements: &[Matrix3<f64>], map: &Matrix3<f64>) -> Option<usize> {
-    elements.iter().position(|e| (e - map).amax() < SAME_MAP)
+    let levels = match elements.last()?[(2, 2)] < 0.0 {
+        true => 2,
+        false => 1,
+    };
+    let turns = elements.len() / (2 * levels);
+    let angle = map[(1, 0)].atan2(map[(0, 0)]).rem_euclid(TAU);
+    let turn = (angle / TAU * turns as f64).round() as usize % turns;
+    let is_flipped = map[(0, 0)] * map[(1, 1)] < map[(0, 1)] * map[(1, 0)];
+    let level = usize::from(map[(2, 2)] < 0.0);
+    let number = 2 * (level * turns + turn) + usize::from(is_flipped);
+    let is_it = |e: &&Matrix3<f64>| (*e - map).amax() < SAME_MAP;
+    elements.get(number).filter(is_it).map(|_| number)
 }
 
 /// The bits of those planes that `holds` says so of.
@@ -156,8 +168,9 @@ pub(crate) fn folded(walls: &[Vec3], mut p: Vec3) -> (Vec3, Matrix3<f64>) {
     (p, back)
 }
 
-/// Reflections that bring any point into the domain, for groups of usual size.
-const MOST_REFLECTIONS: usize = 400;
+/// Reflections that bring any point into the domain: one for each half of a rotation on the way
+/// there, and the one in the plane across the axis.
+const MOST_REFLECTIONS: usize = MOST_TURNS as usize + 2;
 
 #[cfg(test)]
 mod tests {
@@ -171,7 +184,8 @@ mod tests {
             assert_eq!(elements.len() as u32, group.order());
             for a in &elements {
                 for b in &elements {
-                    assert!(number_of(&elements, &(a * b)).is_some());
+                    let product = number_of(&elements, &(a * b)).unwrap();
+                    assert!((elements[product] - a * b).amax() < 1e-12);
                 }
             }
             let p = Vec3::new(0.3, 0.011, 0.2);
@@ -182,6 +196,20 @@ mod tests {
                 assert!((q - folded(&group.walls(), p).0).norm() < 1e-12);
                 assert!(number_of(&elements, &back).is_some());
             }
+        }
+    }
+
+    #[test]
+    fn points_are_folded_by_the_largest_group_too() {
+        let group = Group {
+            rotations: MOST_TURNS,
+            level: true,
+        };
+        let elements = group.elements();
+        for p in [Vec3::new(-0.3, 1e-4, -0.2), Vec3::new(0.02, -1.0, 0.1)] {
+            let (q, back) = folded(&group.walls(), p);
+            assert!(group.walls().iter().all(|n| n.dot(&q) >= 0.0), "{p}");
+            assert!(number_of(&elements, &back).is_some(), "{p}");
         }
     }
 }

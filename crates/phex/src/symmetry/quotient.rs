@@ -11,15 +11,15 @@ use super::group::{Group, bits_of, folded, in_walls, named, number_of, reflectio
 use crate::directions::MirrorPlane;
 use crate::layout::lattice::eisenstein::CELL;
 use crate::layout::{Layout, VertexKind};
-use crate::optimise::{Image, Quotient};
+use crate::optimise::{Image, PUT_THERE, Quotient};
 use nalgebra::Matrix3;
 use phex_mesh::polygon::sides;
 use phex_mesh::{FaceId, HexMesh, PerFace, PerVertex, Topology, Vec3, VertexId};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
-/// Distance from a mirror plane, panel lengths, within which a vertex of the boundary lies in it.
-const IN_PLANE: f64 = 0.05;
+/// Distance from a mirror plane, panel lengths, within which a vertex of the boundary is put in it.
+const NEAR_PLANE: f64 = 0.05;
 /// Area of a cell over that of a panel up to which it is half a panel, and a quarter of one.
 const HALF: f64 = 0.72;
 const QUARTER: f64 = 0.36;
@@ -93,7 +93,7 @@ impl<'a> WallCells<'a> {
                 return 0;
             }
             let face = topology.faces_at(v).next();
-            let near = face.map_or(0.0, |f| IN_PLANE * layout.face_length[f]);
+            let near = face.map_or(0.0, |f| NEAR_PLANE * layout.face_length[f]);
             bits_of(walls, |n| n.dot(&layout.mesh.position(v)).abs() < near)
         });
         Self {
@@ -170,15 +170,13 @@ impl<'a> WallCells<'a> {
         for _ in 0..ROUNDS {
             let before = merged.clone();
             for f in &doubtful {
-                let cost = |choice: u32| {
-                    let mut next = merged.clone();
-                    next[*f] = choice;
-                    self.irregularity(*f, &next)
+                let now = merged[*f];
+                let mut cost = |choice: u32| {
+                    merged[*f] = choice;
+                    self.irregularity(*f, merged)
                 };
-                let best = self
-                    .choices(*f)
-                    .min_by_key(|c| (cost(*c), *c != merged[*f]));
-                merged[*f] = best.unwrap_or(merged[*f]);
+                let best = (self.choices(*f)).min_by_key(|c| (cost(*c), *c != now));
+                merged[*f] = best.unwrap_or(now);
             }
             if merged.as_slice() == before.as_slice() {
                 break;
@@ -496,7 +494,7 @@ impl WholeParts<'_> {
 /// If an image has no source.
 pub(crate) fn quotient_of(mesh: &HexMesh, group: Group) -> Result<Quotient, String> {
     let (walls, elements) = (group.walls(), group.elements());
-    let near = 1e-9 * mesh.diagonal();
+    let near = PUT_THERE * mesh.diagonal();
     let inside = |p: &Vec3| walls.iter().all(|n| n.dot(p) > -near);
     let mut order: Vec<(f64, u32)> = (mesh.positions.enumerate())
         .filter(|(_, p)| inside(p))

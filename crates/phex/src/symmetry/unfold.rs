@@ -1,7 +1,7 @@
 //! A panelling and all its images as one mesh.
 
 use super::group::number_of;
-use crate::optimise::Quotient;
+use crate::optimise::{PUT_THERE, Quotient};
 use crate::smooth_surface::Affinity;
 use nalgebra::Matrix3;
 use phex_mesh::{FaceId, HexMesh, PerFace, PerVertex, TopologyError, Vec3};
@@ -158,24 +158,23 @@ pub(crate) fn unfolded(
     })
 }
 
-struct VertexOrbits {
+struct VertexOrbits<'a> {
+    elements: &'a [Matrix3<f64>],
     /// The vertex of the part, and the element, that each is the image of and under.
     source: Vec<(u32, usize)>,
     /// Elements that leave each vertex where it is.
     fixing: Vec<Vec<usize>>,
-    /// Products of elements, by their numbers.
-    product: Vec<Vec<usize>>,
     place: Vec<Vec3>,
     /// Numbers of the images of each vertex, with their elements.
     numbers: Vec<Vec<(usize, u32)>>,
     vertices: Vec<(u32, u32)>,
 }
 
-impl VertexOrbits {
-    fn new(quotient: &Quotient, mesh: &HexMesh, elements: &[Matrix3<f64>]) -> Self {
+impl<'a> VertexOrbits<'a> {
+    fn new(quotient: &Quotient, mesh: &HexMesh, elements: &'a [Matrix3<f64>]) -> Self {
         let count = mesh.positions.len();
         let images = &quotient.images;
-        let near = 1e-9 * mesh.diagonal();
+        let near = PUT_THERE * mesh.diagonal();
         let source = (0..count as u32).map(|v| match images.get(&v) {
             Some(image) => (image.source, number_of(elements, &image.map).unwrap_or(0)),
             None => (v, 0),
@@ -189,28 +188,29 @@ impl VertexOrbits {
                 false => vec![0],
             }
         });
-        let of = |a: &Matrix3<f64>| {
-            let number = |b: &Matrix3<f64>| number_of(elements, &(a * b)).unwrap_or(0);
-            elements.iter().map(number).collect()
-        };
         Self {
+            elements,
             source: source.collect(),
             fixing: fixing.collect(),
-            product: elements.iter().map(of).collect(),
             numbers: vec![Vec::new(); count],
             vertices: Vec::new(),
             place,
         }
     }
 
+    /// The number of the product of two elements.
+    fn product(&self, g: usize, h: usize) -> usize {
+        number_of(self.elements, &(self.elements[g] * self.elements[h])).unwrap_or(0)
+    }
+
     /// The number of the image of a vertex under element `g`.
     fn number(&mut self, v: usize, g: usize) -> u32 {
         let (source, first) = self.source[v];
-        let element = self.product[g][first];
+        let element = self.product(g, first);
         // The least of the elements that do the same.
         let same = self.fixing[source as usize].iter();
         let element = same
-            .map(|h| self.product[element][*h])
+            .map(|h| self.product(element, *h))
             .min()
             .unwrap_or(element);
         let known = &mut self.numbers[source as usize];

@@ -10,9 +10,8 @@ use super::follow::is_simple;
 use super::{Domain, TrimError, Trimmed, compact, near_boundary};
 use phex_mesh::{EdgeId, FaceId, FacePlane, HexMesh, PerEdge, PerFace, Vec3};
 
-/// Largest distance between the boundary curve and the edges that stand for it, diagonals, and its
-/// share of a limit that is tighter than usual.
-const TOLERANCE: f64 = 1e-3;
+/// Largest distance between the boundary curve and the edges that stand for it, over the largest
+/// that is allowed.
 const OF_LIMIT: f64 = 0.2;
 /// Intervals into which an edge is divided to find where it crosses the boundary.
 const INTERVALS: usize = 16;
@@ -42,8 +41,7 @@ pub(super) fn clipped(mesh: &HexMesh, domain: &Domain<'_>) -> Result<Trimmed, Tr
 
 /// The curve along which panels are cut.
 pub(super) fn curve(domain: &Domain<'_>) -> OutlineLoops {
-    let of_limit = domain.limit.map(|limit| OF_LIMIT * limit);
-    let tolerance = of_limit.map_or(TOLERANCE, |most| TOLERANCE.min(most));
+    let tolerance = OF_LIMIT * domain.limit;
     OutlineLoops::of(domain.original, domain.corner_angle, tolerance)
 }
 

@@ -6,9 +6,7 @@
 use super::curve::OutlineLoops;
 use phex_mesh::{FacePlane, HalfEdgeId, HexMesh, TriangleSurface, Vec3, polygon};
 
-/// Largest distance between the curve and an edge along it, diagonals; and share of that which is
-/// allowed, where it is less.
-const TOLERANCE: f64 = 2.5e-3;
+/// Largest distance between the curve and an edge along it, over the largest that is allowed.
 const OF_LIMIT: f64 = 0.5;
 
 /// Clearance, mean edges, that panels keep which get corners.
@@ -19,16 +17,15 @@ const GAIN: f64 = 0.7;
 
 /// The mesh with more corners along the boundary of `surface`; vertices where that turns by more
 /// than `corner_angle`, radians, become corners of a panel where they are not yet. Edges are to
-/// stay within `limit` diagonals of it, where there is one.
+/// stay within `limit` diagonals of it.
 pub(crate) fn followed(
     mesh: &HexMesh,
     surface: &TriangleSurface,
     corner_angle: f64,
-    limit: Option<f64>,
+    limit: f64,
 ) -> Option<HexMesh> {
     let topology = mesh.topology();
-    let tolerance = limit.map_or(TOLERANCE, |limit| TOLERANCE.min(OF_LIMIT * limit));
-    let curve = OutlineLoops::of(surface, corner_angle, tolerance);
+    let curve = OutlineLoops::of(surface, corner_angle, OF_LIMIT * limit);
     let room = ROOM * mesh.mean_edge();
     let mut positions = mesh.positions.as_slice().to_vec();
     let mut faces = topology.face_lists();
@@ -142,12 +139,12 @@ mod tests {
         let (mesh, surface) = disc();
         let before = boundary_fit(&mesh, &surface).unwrap();
         assert!(before.distance_max() > 0.1);
-        let followed = followed(&mesh, &surface, 0.7, None).unwrap();
+        let followed = followed(&mesh, &surface, 0.7, 5e-3).unwrap();
         assert_eq!(followed.topology().n_faces(), 4);
         let after = boundary_fit(&followed, &surface).unwrap();
-        assert!(after.distance_max() <= TOLERANCE && after.vertices_max < 1e-12);
-        assert!(super::followed(&followed, &surface, 0.7, None).is_none());
-        let nearer = super::followed(&mesh, &surface, 0.7, Some(2e-3)).unwrap();
+        assert!(after.distance_max() <= OF_LIMIT * 5e-3 && after.vertices_max < 1e-12);
+        assert!(super::followed(&followed, &surface, 0.7, 5e-3).is_none());
+        let nearer = super::followed(&mesh, &surface, 0.7, 2e-3).unwrap();
         assert!(boundary_fit(&nearer, &surface).unwrap().distance_max() <= OF_LIMIT * 2e-3);
     }
 }

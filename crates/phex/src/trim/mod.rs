@@ -87,8 +87,8 @@ pub struct Domain<'a> {
     pub original: &'a TriangleSurface,
     /// Turning angle, radians, above which a vertex of the boundary is a corner.
     pub corner_angle: f64,
-    /// Largest distance to the boundary that is allowed, over the diagonal, if it is limited.
-    pub limit: Option<f64>,
+    /// Largest distance to the boundary that is allowed, over the diagonal, > 0.
+    pub limit: f64,
 }
 
 impl Domain<'_> {
@@ -119,7 +119,7 @@ impl Domain<'_> {
 ///     levels: 0,
 ///     original: &plane,
 ///     corner_angle: 0.5,
-///     limit: None,
+///     limit: 5e-3,
 /// };
 /// let clipped = trim(&panels, &domain, Boundary::Clip)?.mesh;
 /// assert!((measure(&clipped).area - 4.0).abs() < 1e-6);
@@ -230,7 +230,7 @@ mod fixtures {
             levels: 0,
             original,
             corner_angle: 0.7,
-            limit: None,
+            limit: 5e-3,
         }
     }
 }

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 /// A panel is kept if at least this share of it lies inside.
 const KEEP: f64 = 0.5;
 /// Share of the surface that is covered at least; where it is not, panels that lie inside less are
-/// kept too.
+/// kept too. It is more than the check `covered_area` asks for, since panels are still moved.
 const COVERAGE: f64 = 0.975;
 /// Weight of the outline's length, roots of the mean panel area.
 const OUTLINE: f64 = 0.25;

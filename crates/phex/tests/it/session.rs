@@ -57,6 +57,36 @@ fn earlier_runs_change_nothing() {
     }
 }
 
+/// Long triangles are cut short for a lattice, and not for bricks.
+#[test]
+fn a_run_of_another_method_changes_nothing() {
+    let ends = |j: u32| {
+        let angle = std::f64::consts::PI * f64::from(j) / 40.0;
+        [0.0, 3.0].map(|x| phex_mesh::Vec3::new(x, angle.cos(), angle.sin()))
+    };
+    let triangles = (0..40).flat_map(|j| {
+        let [a, b, c, d] = [2 * j, 2 * j + 1, 2 * j + 3, 2 * j + 2];
+        [[a, b, c], [a, c, d]]
+    });
+    let places = (0..=40).flat_map(ends).collect();
+    let vault = Surface::new(places, &triangles.collect::<Vec<_>>()).unwrap();
+    let mut lattice = panels(60);
+    lattice.effort = Effort::Draft;
+    lattice.target.corner_angle = 20.0;
+    lattice.size_field = Some(vec![1.0; vault.positions().len()]);
+    let bricks = MeshOptions {
+        method: Method::BrickWall,
+        size_field: None,
+        ..lattice.clone()
+    };
+    let session = Session::new(vault.clone());
+    for options in [lattice, bricks] {
+        let fresh = mesh_surface(&vault, &options, &Silent).unwrap();
+        let kept = session.run(&options, &Silent).unwrap();
+        assert_eq!(bits(&fresh.mesh), bits(&kept.mesh));
+    }
+}
+
 /// The stages that are computed; those that are looked up end at once.
 #[derive(Default)]
 struct Stages(Mutex<Vec<&'static str>>);

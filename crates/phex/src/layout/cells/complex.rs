@@ -53,6 +53,13 @@ pub(crate) struct NotDiscs {
     pub seed: VertexId,
 }
 
+/// Vertices of a cell inside, and of one at the boundary, at the least.
+const LEAST_INSIDE: usize = 4;
+const LEAST_AT_BOUNDARY: usize = 3;
+/// Area of a cell at the boundary, over the median of all, below which it is a sliver; and the same
+/// for one with fewer vertices than [`LEAST_INSIDE`] that are no corners of the boundary.
+const SLIVER: f64 = 0.25;
+const SMALL: f64 = 0.5;
 /// Rounds of relabelling.
 const ROUNDS: usize = 20;
 
@@ -74,11 +81,11 @@ pub(crate) fn disc_cells(
         seed,
         panels: Vec::new(),
     };
-    let mut remaining = Vec::new();
+    let mut rounds_left = ROUNDS;
     let mut outlines = Vec::new();
     let mut changed = vec![true; complex.seed.len()];
     let holes = topology.boundary_loops();
-    for _ in 0..ROUNDS {
+    loop {
         outlines.resize_with(complex.seed.len(), Outline::default);
         outline_again(topology, corners, &complex.label, &changed, &mut outlines);
         let area = areas(mesh, &complex.label, complex.seed.len());
@@ -88,16 +95,17 @@ pub(crate) fn disc_cells(
             complex.panels = panels(outlines);
             return Ok(complex);
         }
+        if rounds_left == 0 {
+            return Err(NotDiscs {
+                cells: faults.len(),
+                seed: complex.seed[faults[0].0 as usize],
+            });
+        }
+        rounds_left -= 1;
         let before = complex.label.clone();
         mend((topology, mesh), &holes, &mut complex, &faults);
         changed = changed_cells(topology, &before, &complex);
-        remaining = faults;
     }
-    let first = remaining.first().map_or(0, |(cell, _)| *cell as usize);
-    Err(NotDiscs {
-        cells: remaining.len(),
-        seed: complex.seed[first],
-    })
 }
 
 /// Which cells have other vertices, or other cells beside them, than before.
@@ -182,10 +190,11 @@ fn too_small(nodes: &[Node], area: f64, median: f64) -> bool {
         .count();
     let inside = nodes.iter().all(|n| matches!(n, Node::Triangle(_)));
     if inside {
-        return nodes.len() < 4;
+        return nodes.len() < LEAST_INSIDE;
     }
-    let sliver = area < 0.25 * median || (nodes.len() - corners < 4 && area < 0.5 * median);
-    nodes.len() < 3 || sliver
+    let is_plain = nodes.len() - corners < LEAST_INSIDE;
+    let least = if is_plain { SMALL } else { SLIVER };
+    nodes.len() < LEAST_AT_BOUNDARY || area < least * median
 }
 
 /// Splits cells that are not discs and gives small ones to the neighbour with the longest common

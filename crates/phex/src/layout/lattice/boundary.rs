@@ -4,7 +4,8 @@
 //! outermost row are whole if the row's lattice points lie half a row's height inside. With `n` the
 //! inward normal in a vertex's chart and `z` the offset of a lattice point, that is `<n, z> = h / 2
 //! (mod h)`, `h` the height of a row: the wave whose reciprocal vector is `n / h` has the value -1
-//! there. A [`Pin`] draws the offsets to it, in every step of the layout.
+//! there. A [`Pin`] draws the offsets to it, in every step of the layout; along a mirror plane it
+//! draws them to whole rows, and across one to columns ([`PinnedTo`]).
 
 use super::eisenstein::{CELL, Plane, dot};
 use crate::directions::Directions;
@@ -41,7 +42,7 @@ pub(crate) enum PinnedTo {
 }
 
 impl Pin {
-    /// The way to the nearest offset half-way between two rows.
+    /// The way to the nearest offset half-way between two rows, or on a row or a column.
     pub(crate) fn correction(&self, z: Plane) -> Plane {
         let (spacing, phase) = match self.to {
             PinnedTo::HalfRow => (CELL, 0.5),

@@ -6,7 +6,7 @@
 //! that a pentagon behind them reaches the boundary and is whole again. Turns change no charge: the
 //! sum of `6 - n` over all panels stays, so what topology demands stays too.
 
-use super::glide;
+use super::{LEAST_CORNERS, OPENING, glide};
 use crate::layout::{Layout, VertexKind};
 use crate::progress::Progress;
 use phex_mesh::polygon::point_segment_distance;
@@ -20,14 +20,11 @@ use std::collections::{BTreeSet, HashSet};
 /// Rounds of turns at the most; each round makes the panels more regular, so this is only a guard.
 const ROUNDS: usize = 30;
 /// Corners that a panel must keep, and that a panel of the rim may come to have.
-const LEAST: i32 = 4;
+const LEAST: i32 = LEAST_CORNERS as i32;
 const MOST_AT_RIM: i32 = 7;
 /// Distance of the boundary from a new edge along it, bounding-box diagonals, from which on that
 /// edge gets a vertex on it.
 const BEND: f64 = 2e-4;
-/// How far the ends of a turned edge move towards the panels that they now separate from the
-/// others.
-const OPENING: f64 = 0.25;
 
 /// Turns edges while that makes the panels inside more regular: the sum of `(n - 6)^2` falls with
 /// each turn, or with each short sequence of them.

@@ -56,7 +56,7 @@ pub(super) fn by_continuation(
     energy.weights.fairness *= fairness;
     energy.barriers.iter_mut().for_each(|b| b.weight *= barrier);
     let mut damping = Damping::default();
-    let mut reporter = StepReporter::new(progress, PHASES.len() * ITERATIONS);
+    let mut reporter = StepReporter::new(progress, super::STAGE, PHASES.len() * ITERATIONS);
     let mut outcome = Outcome::empty(Status::Converged);
     for [planarity, angles] in PHASES {
         energy.weights.planarity = planarity;

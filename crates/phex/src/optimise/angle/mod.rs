@@ -39,7 +39,7 @@ use self::constraints::angle_assembly;
 use self::continuation::by_continuation;
 use self::path::AnglePath;
 use super::error::OptimiseError;
-use super::inspect::{Offender, Quality, inspect};
+use super::inspect::{Offender, OptimisedFigures, inspect};
 use super::options::OptimiseOptions;
 use super::panels::unknowns;
 use super::solver::solvers::energy_assembly;
@@ -91,6 +91,8 @@ const WAYS: [AngleWay; 8] = [
     },
 ];
 
+/// The stage whose iterations are told.
+const STAGE: &str = "angles";
 /// Steps of the descent at the most.
 const DESCENT_STEPS: usize = 30;
 
@@ -133,7 +135,7 @@ pub struct AngleOptimised {
     /// model.
     pub deviation: [f64; 2],
     /// Figures of the mesh.
-    pub quality: Quality,
+    pub quality: OptimisedFigures,
     /// Panels that are not as they should be.
     pub offenders: Vec<Offender>,
 }

@@ -5,10 +5,11 @@ use super::constraints::AngleConstraints;
 use super::tangent::Tangent;
 use crate::optimise::error::OptimiseError;
 use crate::optimise::solver::energy::{PanelEnergy, panel_energy};
-use crate::optimise::solver::solvers::system;
+use crate::optimise::solver::solvers::{StepReporter, system};
 use crate::optimise::terms::angle_term::walks::Walks;
 use crate::optimise::terms::setting::Setting;
-use crate::progress::{Event, Progress};
+use crate::progress::Progress;
+use phex_mesh::ValidateOptions;
 use phex_numeric::{
     Assembly, Constraints, DampedProblem, MinimumNorm, Outcome, ProjectionOptions, Record, Status,
 };
@@ -50,7 +51,7 @@ impl<'a> AnglePath<'a> {
         way: f64,
         progress: &'a dyn Progress,
     ) -> Result<Self, OptimiseError> {
-        let least = way * options.optimise.least_clearance * setting.mean_edge;
+        let least = way * ValidateOptions::CLEARANCE * setting.mean_edge;
         let (cholesky, normal) = system(angles, 1)?;
         Ok(Self {
             constraints: AngleConstraints::new(setting, angles, walks, x, least),
@@ -83,14 +84,10 @@ impl<'a> AnglePath<'a> {
     /// Newton steps of minimum norm.
     fn project_straight(&mut self, x: &mut [f64]) {
         let options = self.projection(self.options.newton_iterations);
-        let progress = self.progress;
-        let mut iteration = 0;
-        let outcome = self
-            .projector
-            .project(&mut self.constraints, x, &options, |record| {
-                iteration += 1;
-                observe(progress, iteration, options.max_iterations, record)
-            });
+        let mut reporter = self.reporter(options.max_iterations);
+        let observe = |record: &Record| reporter.observe(record);
+        let projector = &mut self.projector;
+        let outcome = projector.project(&mut self.constraints, x, &options, observe);
         self.outcome.append(outcome);
     }
 
@@ -139,6 +136,10 @@ impl<'a> AnglePath<'a> {
         None
     }
 
+    fn reporter(&self, limit: usize) -> StepReporter<'a> {
+        StepReporter::new(self.progress, super::STAGE, limit)
+    }
+
     fn projection(&self, max_iterations: usize) -> ProjectionOptions {
         ProjectionOptions {
             max_iterations,
@@ -152,7 +153,8 @@ impl<'a> AnglePath<'a> {
     pub(super) fn descend(&mut self, x: &mut Vec<f64>) {
         self.energy.arm(x);
         let mut energy = self.energy.energy(x);
-        for iteration in 1..=super::DESCENT_STEPS {
+        let mut reporter = self.reporter(super::DESCENT_STEPS);
+        for _ in 0..super::DESCENT_STEPS {
             if !energy.is_finite() {
                 break;
             }
@@ -162,9 +164,7 @@ impl<'a> AnglePath<'a> {
             let decrease = (energy - lower) / energy;
             (*x, energy) = (trial, lower);
             let record = self.outcome.history.last().copied();
-            let over = record.is_some_and(|r| {
-                observe(self.progress, iteration, super::DESCENT_STEPS, &r).is_break()
-            });
+            let over = record.is_some_and(|r| reporter.observe(&r).is_break());
             if over {
                 self.outcome.status = Status::Cancelled;
             }
@@ -212,25 +212,5 @@ impl<'a> AnglePath<'a> {
         self.outcome.factorisations += outcome.factorisations;
         self.outcome.history.extend(outcome.history);
         arrived
-    }
-}
-
-/// Tells of an iteration and hears of cancelling.
-fn observe(
-    progress: &dyn Progress,
-    iteration: usize,
-    limit: usize,
-    record: &Record,
-) -> ControlFlow<()> {
-    progress.report(&Event::Iteration {
-        stage: "angles",
-        iteration,
-        limit,
-        residual: record.residual,
-    });
-    if progress.is_cancelled() {
-        ControlFlow::Break(())
-    } else {
-        ControlFlow::Continue(())
     }
 }

@@ -24,7 +24,7 @@ use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
 /// Faces from which a mesh is minimised in parts.
-pub(super) const LARGE: usize = 8_000;
+pub(in crate::optimise) const LARGE: usize = 8_000;
 /// Faces of a part at the most, without those that it shares with others.
 const PART: usize = 1_000;
 /// Rings of faces around a part whose vertices move with it.
@@ -256,21 +256,21 @@ fn for_each_part(
 /// Regions around cores in groups, in each of which none moves a vertex of another one: each goes
 /// into the first group where it can.
 fn apart(panels: &Panels, cores: &[Vec<u32>]) -> Vec<Vec<PartRegion>> {
-    struct Group {
+    struct PartGroup {
         regions: Vec<PartRegion>,
         moves: Vec<bool>,
         sees: Vec<bool>,
     }
-    let mut groups: Vec<Group> = Vec::new();
+    let mut groups: Vec<PartGroup> = Vec::new();
     for core in cores {
         let region = PartRegion::around(panels, core);
         let meets =
             |vertices: &[u32], marked: &[bool]| vertices.iter().any(|&v| marked[v as usize]);
         let fits =
-            |g: &Group| !meets(&region.moving, &g.sees) && !meets(&region.vertices, &g.moves);
+            |g: &PartGroup| !meets(&region.moving, &g.sees) && !meets(&region.vertices, &g.moves);
         let k = groups.iter().position(fits).unwrap_or(groups.len());
         if k == groups.len() {
-            groups.push(Group {
+            groups.push(PartGroup {
                 regions: Vec::new(),
                 moves: vec![false; panels.n_vertices()],
                 sees: vec![false; panels.n_vertices()],

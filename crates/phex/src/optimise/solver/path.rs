@@ -116,7 +116,7 @@ impl<'a> Path<'a> {
             constraint_assembly: &solvers.constraint_assembly,
             setting,
             options,
-            reporter: StepReporter::new(progress, limit),
+            reporter: StepReporter::new(progress, "optimise", limit),
             outcome: Outcome::empty(Status::Converged),
             in_parts: 0,
             weights,

@@ -85,7 +85,7 @@ fn projected(
         margin: Some(KEPT_CLEARANCE),
         passes_by: false,
     };
-    let mut reporter = StepReporter::new(progress, PROJECTION_ITERATIONS);
+    let mut reporter = StepReporter::new(progress, "optimise", PROJECTION_ITERATIONS);
     projection.project(&mut solvers.constraints, x, &mut reporter)
 }
 
@@ -147,7 +147,7 @@ impl Stage<'_> {
         }
         let (cholesky, matrix) = solvers.constraints.take()?;
         let mut x = start.x.clone();
-        let mut reporter = StepReporter::new(progress, FAST_ITERATIONS);
+        let mut reporter = StepReporter::new(progress, "optimise", FAST_ITERATIONS);
         let rounding = 4.0 * f64::EPSILON * self.diagonal / setting.mean_edge;
         let limits = SchurOptions {
             max_iterations: FAST_ITERATIONS,

@@ -113,15 +113,17 @@ pub(in crate::optimise) fn system(
 /// Tells of iterations and hears of cancelling.
 pub(in crate::optimise) struct StepReporter<'a> {
     progress: &'a dyn Progress,
+    stage: &'static str,
     iteration: usize,
     limit: usize,
 }
 
 impl<'a> StepReporter<'a> {
-    /// `limit` iterations are expected at the most.
-    pub fn new(progress: &'a dyn Progress, limit: usize) -> Self {
+    /// `limit` iterations of a stage are expected at the most.
+    pub fn new(progress: &'a dyn Progress, stage: &'static str, limit: usize) -> Self {
         Self {
             progress,
+            stage,
             iteration: 0,
             limit,
         }
@@ -130,7 +132,7 @@ impl<'a> StepReporter<'a> {
     pub fn observe(&mut self, record: &Record) -> ControlFlow<()> {
         self.iteration += 1;
         self.progress.report(&Event::Iteration {
-            stage: "optimise",
+            stage: self.stage,
             iteration: self.iteration,
             limit: self.limit.max(self.iteration),
             residual: record.residual,

@@ -234,7 +234,8 @@ impl Stage<'_> {
         let mut x = start.x.clone();
         let (assembly, minimiser) = solvers.energy.prepare(&self.panels)?;
         let mut energy = Tetrahedra::new(&setting, assembly, options, &x);
-        let mut reporter = StepReporter::new(progress, WEIGHTS.2 * options.max_iterations);
+        let mut reporter =
+            StepReporter::new(progress, "optimise", WEIGHTS.2 * options.max_iterations);
         let observe = |record: &Record| reporter.observe(record);
         let outcome = penalise(&mut energy, minimiser, &mut x, options, observe);
         let way = ResultOrigin {

@@ -4,10 +4,11 @@
 //! energy, whose weight the caller raises; the weights of all limits rise with it, so that lengths
 //! never buy what a limit forbids.
 
-use super::on_boundary::already_there;
+use super::on_boundary::{ON_IT, already_there};
 use super::wishes;
 use crate::optimise::holds::Anchored;
-use crate::optimise::panels::{FaceShapes, unknowns};
+use crate::optimise::panels::{FaceShapes, point, unknowns};
+use crate::optimise::solver::parts::LARGE;
 use crate::optimise::solver::path::Path;
 use crate::optimise::solver::solvers::Solvers;
 use crate::optimise::terms::barrier::clearance;
@@ -17,7 +18,7 @@ use crate::optimise::{
     check_mesh, mesh_at,
 };
 use crate::progress::Progress;
-use phex_mesh::{HexMesh, PerEdge, measure};
+use phex_mesh::{HexMesh, PerEdge, Vec3, measure};
 
 /// Last phases that are gone through again.
 const PHASES: usize = 2;
@@ -53,7 +54,10 @@ pub(crate) struct LengthStage<'a> {
 }
 
 impl<'a> LengthStage<'a> {
-    /// Prepares a planar mesh.
+    /// Panels at the most: larger meshes are minimised part by part.
+    pub const MOST_PANELS: usize = LARGE;
+
+    /// Prepares a planar mesh of at most [`Self::MOST_PANELS`].
     ///
     /// # Errors
     /// If the mesh or an option can't be used, or the mesh can't be held as it is to be.
@@ -86,7 +90,13 @@ impl<'a> LengthStage<'a> {
         for (f, wished) in stage.limits.clearance.iter_mut().enumerate() {
             *wished = wished.min(KEPT * clearance(shape.face(&stage.panels, f)));
         }
-        let held = wishes::resolve(kept.steering, mesh)?;
+        let mut held = wishes::resolve(kept.steering, mesh)?;
+        // What was let go of curves and planes, since panels could not be planar there, is near
+        // them, and would be put back.
+        let near = ON_IT * mesh.diagonal();
+        let away = |(v, place): &(u32, Vec3)| (place - point(&x, *v as usize)).norm() > near;
+        let loose = held.places(&x).filter(away).map(|(v, _)| v).collect();
+        held.release(&loose);
         stage.holds.anchors = held.anchors;
         stage.holds.curves = held.curves;
         stage.holds.held.extend(held.held);
@@ -113,7 +123,7 @@ impl<'a> LengthStage<'a> {
     }
 
     /// The mesh, from where `from` has its vertices, with its edges drawn to `lengths` by a weight
-    /// over that of closeness; `None` for meshes that are minimised part by part.
+    /// over that of closeness.
     ///
     /// # Errors
     /// If a factorisation fails for want of memory.
@@ -123,20 +133,56 @@ impl<'a> LengthStage<'a> {
         lengths: &PerEdge<f64>,
         weight: f64,
         progress: &dyn Progress,
-    ) -> Result<Option<HexMesh>, OptimiseError> {
+    ) -> Result<HexMesh, OptimiseError> {
         let x = unknowns(from);
         let setting = self.stage.setting(&x);
         let mut path = Path::new(&setting, &mut self.solvers, &x, &self.options, progress)?;
         let weight = weight * path.weights.closeness.vertex;
         let term = EdgeLengths::new(self.mesh.topology(), lengths, weight);
-        let Some(energy) = path.energy() else {
-            return Ok(None);
-        };
-        energy.lengths = Some(term);
+        if let Some(energy) = path.energy() {
+            energy.lengths = Some(term);
+        }
         let heavier = (LIMITS * weight / path.weights.closeness.vertex).max(1.0);
         path.weights.limits *= heavier;
         path.weights.closeness.limit.elastic.weight *= heavier;
         let x = path.again(&x, PHASES)?;
-        Ok(Some(mesh_at(self.mesh, &x)))
+        Ok(mesh_at(self.mesh, &x))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optimise::steer;
+    use crate::optimise::tests::fixtures::{Shape, brick_wall};
+    use crate::progress::Silent;
+
+    /// Three corners of panels on a curve bend them, so that some are let go.
+    #[test]
+    fn what_was_let_go_of_a_curve_is_not_put_back_on_it() {
+        let wall = brick_wall(Shape::Wave, 15, 8);
+        let at = |k: i32| {
+            let x = 0.05 * f64::from(k);
+            [x, -2.0, Shape::Wave.height(x, -2.0)]
+        };
+        let steering = Steering {
+            curves: vec![(-50..=50).map(at).collect()],
+            ..Default::default()
+        };
+        let options = OptimiseOptions::default();
+        let planar = steer(&wall, Some(&Shape::Wave), &steering, &options, &Silent).unwrap();
+        let kept = KeptVertices {
+            hold: None,
+            quotient: &Quotient::default(),
+            steering: &steering,
+            distance: 1.0,
+        };
+        let stage = LengthStage::new(&planar.mesh, &Shape::Wave, &kept, &options).unwrap();
+        let (x, holds) = (unknowns(&planar.mesh), &stage.stage.holds);
+        assert!(!holds.held.is_empty());
+        for (v, place) in holds.places(&x) {
+            let moved = (place - point(&x, v as usize)).norm();
+            assert!(moved < 1e-6, "{v} is moved by {moved}");
+        }
     }
 }

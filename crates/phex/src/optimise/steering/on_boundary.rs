@@ -16,8 +16,8 @@ use crate::optimise::quotient::Quotient;
 use crate::optimise::solver::parts::PartRegion;
 use crate::optimise::solver::reached::Run;
 use crate::optimise::{
-    Fault, Offender, OptimiseError, OptimiseOptions, Optimised, Quality, Stage, Steering, Target,
-    check_mesh, finished as finished_mesh, mesh_at,
+    Fault, Offender, OptimiseError, OptimiseOptions, Optimised, OptimisedFigures, Stage, Steering,
+    Target, check_mesh, finished as finished_mesh, mesh_at,
 };
 use crate::progress::Progress;
 use phex_mesh::{BoundaryCurve, FaceId, FlatFace, HexMesh, Vec3, VertexId, small_rim_faces};
@@ -39,7 +39,7 @@ const WORST: f64 = 0.3;
 const CLEARANCE_LEFT: f64 = 0.6;
 
 /// Diagonals within which a vertex lies on a curve.
-const ON_IT: f64 = 1e-7;
+pub(super) const ON_IT: f64 = 1e-7;
 
 /// The curves, and the points of them that vertices are put on.
 pub struct BoundaryHold {
@@ -226,7 +226,12 @@ pub(super) fn near_corners(mesh: &HexMesh, corners: &[Vec3]) -> Vec<(VertexId, V
 }
 
 /// Vertices of panels that holding has harmed; none if the result can be used.
-fn harmed(mesh: &HexMesh, run: &Run, before: &Quality, curves: &BoundaryCurve) -> BTreeSet<u32> {
+fn harmed(
+    mesh: &HexMesh,
+    run: &Run,
+    before: &OptimisedFigures,
+    curves: &BoundaryCurve,
+) -> BTreeSet<u32> {
     let topology = mesh.topology();
     let mut faces: BTreeSet<FaceId> = BTreeSet::new();
     let off = |o: &Offender| match o.fault {
@@ -272,7 +277,7 @@ fn grown_small(before: &HexMesh, after: &HexMesh) -> Vec<FaceId> {
 }
 
 /// Panels that have lost much of their clearance.
-fn squeezed(after: &HexMesh, run: &Run, before: &Quality) -> Vec<FaceId> {
+fn squeezed(after: &HexMesh, run: &Run, before: &OptimisedFigures) -> Vec<FaceId> {
     let least = CLEARANCE_LEFT * before.clearance;
     if run.summary.quality.clearance >= least {
         return Vec::new();

@@ -17,7 +17,8 @@ use std::collections::BTreeSet;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GroundPlane {
-    /// A point of the plane, model units; without it, the lowest vertex along the normal.
+    /// A point of the plane, model units; without it, the vertex of the boundary that is lowest
+    /// along the normal.
     #[serde(default)]
     pub point: Option<[f64; 3]>,
     /// Its normal, of any length but 0.
@@ -285,7 +286,7 @@ impl Resolver<'_> {
             .ok_or_else(|| unusable("its normal is 0"))?;
         let point = match ground.point {
             Some(p) => finite("ground plane", index, p)?,
-            None => self.lowest(normal),
+            None => self.lowest(normal)?,
         };
         let reach = ground.reach * self.mean_edge;
         let near = |p: Vec3| normal.dot(&(p - point)).abs() <= reach;
@@ -298,11 +299,14 @@ impl Resolver<'_> {
         }
     }
 
-    fn lowest(&self, normal: Vec3) -> Vec3 {
-        let height = |p: &&Vec3| normal.dot(p);
-        let all = self.mesh.positions.iter();
-        *all.min_by(|p, q| height(p).total_cmp(&height(q)))
-            .expect("a mesh has vertices")
+    /// The lowest vertex of the boundary.
+    fn lowest(&self, normal: Vec3) -> Result<Vec3, SteeringError> {
+        let rim = self.mesh.topology().boundary_vertices();
+        rim.map(|v| self.mesh.positions[v])
+            .min_by(|p, q| normal.dot(p).total_cmp(&normal.dot(q)))
+            .ok_or(SteeringError::NoBoundary {
+                what: "a ground plane",
+            })
     }
 
     fn anchor(&mut self, anchors: &[Anchor]) -> Result<(), SteeringError> {

@@ -59,7 +59,7 @@ fn part_by_part_the_energy_falls_and_panels_stay_simple() {
             &mut x,
             &Cuts { most: 70, phase },
             &limits,
-            &mut StepReporter::new(&Silent, 0),
+            &mut StepReporter::new(&Silent, "optimise", 0),
         )
         .unwrap();
         assert!(outcome.factorisations >= 3, "{outcome:?}");

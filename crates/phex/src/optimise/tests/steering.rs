@@ -3,8 +3,8 @@
 use super::fixtures::{Shape, brick_wall, jittered, planar_paraboloid};
 use super::whole::{CancelAfter, all_simple, assert_sound};
 use crate::optimise::{
-    Anchor, GroundPlane, OptimiseError, OptimiseOptions, Optimised, Steering, SteeringError, refit,
-    steer,
+    Anchor, GroundPlane, OptimiseError, OptimiseOptions, Optimised, Steering, SteeringError,
+    led_elsewhere, refit, steer,
 };
 use crate::progress::{Event, Progress, Silent};
 use phex_mesh::{FaceId, HexMesh, Vec3, VertexId};
@@ -95,6 +95,20 @@ fn vertices_stay_in_planes_straight_and_oblique() {
             assert!(above.abs() <= bound, "{v}: {above:e}");
         }
     }
+}
+
+/// The ground of a bowl is at its rim, not below it.
+#[test]
+fn the_ground_without_a_point_is_at_the_lowest_vertex_of_the_boundary() {
+    let mut bowl = brick_wall(Shape::Square, 15, 8);
+    for p in bowl.positions.iter_mut() {
+        p.z = p.x.powi(2).max(p.y.powi(2));
+    }
+    let steering = Steering {
+        grounds: vec![GroundPlane::default()],
+        ..Default::default()
+    };
+    assert!(!led_elsewhere(&steering, &bowl).is_empty());
 }
 
 #[test]

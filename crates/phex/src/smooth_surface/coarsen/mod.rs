@@ -15,6 +15,7 @@ mod corner_table;
 mod flips;
 
 use super::creases::creases;
+use super::spacing;
 use corner_table::{CornerTable, NONE};
 use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
 
@@ -79,7 +80,7 @@ impl ChangingMesh {
             table: CornerTable::of(topology, &creases),
             position: surface.positions().as_slice().to_vec(),
             normal: surface.normals().as_slice().to_vec(),
-            spacing: (surface.area() * 2.0 / (3.0_f64.sqrt() * wanted.max(1) as f64)).sqrt(),
+            spacing: spacing(surface, wanted),
             corner,
             gone: vec![false; n],
         }
