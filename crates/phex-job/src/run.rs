@@ -677,7 +677,7 @@ fn summed<'a>(times: impl Iterator<Item = &'a StageTime>) -> Vec<StageTime> {
 }
 
 /// Share of edges as short as a method allows from which on more panels come no nearer.
-const BOUND: f64 = 0.25;
+const BOUND: f64 = 0.2;
 
 /// Replaces the advice of distances that do not fall with the number of panels: those of a parallel
 /// mesh of which many edges, `bound` of them, are as short as is allowed.
