@@ -284,3 +284,34 @@ def test_a_search_without_its_library_says_what_to_install(monkeypatch, tmp_path
     monkeypatch.setitem(__import__("sys").modules, "optuna", None)
     with pytest.raises(ImportError, match=r"pip install 'phex\[explore\]'"):
         phex.explore({}, ["panels"], out=tmp_path)
+
+
+def test_errors_name_the_keyword(ball, roof):
+    with pytest.raises(phex.InputError, match="edges: 1 is not True or False"):
+        ball.picture(edges=1)
+    with pytest.raises(TypeError, match="foo"):
+        ball.picture(foo=1)
+    with pytest.raises(phex.InputError, match="title: 3 is no text"):
+        ball.page(title=3)
+    with pytest.raises(phex.InputError, match="config: "):
+        phex.mesh(roof, panels=40, config="nope.toml")
+    with pytest.raises(phex.InputError, match="^edge_length"):
+        phex.mesh(roof, edge_length=0)
+    with pytest.raises(phex.InputError, match="threads: -1 is not a whole number from 1 to 65535"):
+        phex.mesh(roof, panels=40, threads=-1)
+    with pytest.raises(phex.InputError, match="corners") as raised:
+        ball.per_face("foo")
+    assert "dihedral" not in str(raised.value)
+
+
+def test_negative_lengths_of_edges_are_refused(ball):
+    a, b = (int(v) for v in ball.faces[0][:2])
+    with pytest.raises(phex.InputError, match="lengths: -1.0 .* is not at least 0"):
+        phex.parallel(ball, lengths={(a, b): -1})
+
+
+def test_a_shape_takes_its_own_seed():
+    made = [phex.shape("b-spline", triangles=500, seed=seed).vertices for seed in (1, 7)]
+    assert not np.array_equal(*made)
+    with pytest.raises(phex.InputError, match="seed"):
+        phex.shape("torus", triangles=500, seed=3)

@@ -108,3 +108,10 @@ def test_links_are_followed_by_every_file(sphere):
     phex.mesh(sphere, effort="draft", **HOW, **FILES)
     for file in FILES.values():
         assert os.path.islink(file) and os.path.getsize(f"real-{file}") > 0
+
+
+@pytest.mark.parametrize("name, path", [("png", "a.jpg"), ("html", "a.png")])
+def test_pictures_and_pages_have_names_of_their_kind(tmp_path, roof, name, path):
+    with pytest.raises(phex.InputError, match=f"{name}: .*are written as"):
+        phex.mesh(roof, panels=40, **{name: tmp_path / path})
+    assert not list(tmp_path.iterdir())

@@ -31,6 +31,9 @@ def reports(roof, ball, panels):
     yield phex.check(bent).report
     yield phex.check(ball, surface=phex.shape("sphere", triangles=500)).report
     yield phex.mesh(roof, panels=40, effort="draft", keep_invalid=True, **limits).report
+    yield phex.koebe(ball).report
+    yield phex.planarize(bent, keep_invalid=True).report
+    yield phex.parallel(ball, keep_invalid=True).report
 
 
 def test_reports_keep_to_the_schema(roof, ball, panels):

@@ -18,7 +18,7 @@ pub struct DualCommand {
     #[arg(short, long, value_name = "MESH")]
     pub output: PathBuf,
     /// Centre of the sphere [default: away from all faces' planes]; with the same one the dual of
-    /// the dual is the mesh
+    /// the dual is the mesh, if it is closed
     #[arg(long, value_name = "X,Y,Z", value_parser = three, allow_hyphen_values = true)]
     pub centre: Option<[f64; 3]>,
     /// Radius of the sphere, model units

@@ -417,6 +417,7 @@ fn figures(check: &Check) -> [String; 3] {
     let [value, limit] = shown.in_words(figure);
     let value = match &check.reading {
         Some(reading) => format!("{value} {}", reading.unit),
+        None if shown.unit.starts_with('%') => format!("{value} %"),
         None => value,
     };
     let space = if shown.unit.is_empty() { "" } else { " " };

@@ -22,7 +22,7 @@ use phex::directions::Cone;
 use phex::layout::MAX_PANELS;
 use phex::optimise::led_elsewhere;
 use phex::pipeline::{AttemptSummary, ClassicalStatistics};
-use phex::quality::References;
+use phex::quality::{Check, References};
 use phex::repetition::Repetition;
 use phex::report::{FeatureSizes, InputFile, RunReport, StageTime};
 use phex::{Event, MeshOptions, Progress, Session};
@@ -367,6 +367,10 @@ impl<'a> MeshTask<'a> {
             .iter()
             .map(|run| (run.tried.clone(), run.classical.clone()))
             .unzip();
+        let bound = runs
+            .iter()
+            .filter_map(|run| run.classical.as_ref()?.edges_at_bound);
+        advise_by_method(&mut report.checks, bound.sum(), mesh.topology().n_edges());
         describe(&mut report, &self.settings, runs)?;
         let wishes = match self.job.start {
             None => self.wishes(&mesh, smooth.as_ref(), &cones).told(),
@@ -681,6 +685,23 @@ fn summed<'a>(times: impl Iterator<Item = &'a StageTime>) -> Vec<StageTime> {
         }
     }
     sums
+}
+
+/// Share of edges as short as a method allows from which on more panels come no nearer.
+const BOUND: f64 = 0.2;
+
+/// Replaces the advice of distances that do not fall with the number of panels: those of a parallel
+/// mesh of which many edges, `bound` of them, are as short as is allowed.
+fn advise_by_method(checks: &mut [Check], bound: usize, edges: usize) {
+    if (bound as f64) < BOUND * edges as f64 {
+        return;
+    }
+    let far = |c: &&mut Check| !c.pass && ["deviation", "coverage_inner"].contains(&c.name);
+    for check in checks.iter_mut().filter(far) {
+        check.advice = Some(format!(
+            "another --method, or a larger deviation: {bound} of {edges} edges are as short as this method allows, and more panels come no nearer"
+        ));
+    }
 }
 
 #[cfg(test)]

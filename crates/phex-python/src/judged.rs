@@ -72,8 +72,8 @@ impl GivenValues {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OutputsRequest {
-    /// Each with the keyword that asks for it, and whether it is a mesh in a format of the program.
-    outputs: Vec<(String, PathBuf, bool)>,
+    /// Each with the keyword that asks for it, and what it holds.
+    outputs: Vec<(String, PathBuf, OutputKind)>,
     /// Files that are read.
     inputs: Vec<PathBuf>,
     /// Settings and a job file, which name more of them.
@@ -81,6 +81,27 @@ pub struct OutputsRequest {
     settings: MeshSettings,
     #[serde(default)]
     config: Option<PathBuf>,
+}
+
+/// What a file holds.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum OutputKind {
+    Mesh,
+    Picture,
+    Page,
+    Other,
+}
+
+impl From<OutputKind> for Content {
+    fn from(kind: OutputKind) -> Self {
+        match kind {
+            OutputKind::Mesh => Self::Mesh,
+            OutputKind::Picture => Self::Picture,
+            OutputKind::Page => Self::Page,
+            OutputKind::Other => Self::Other,
+        }
+    }
 }
 
 /// Nothing, if the files can be written, none twice and none that is read.
@@ -95,16 +116,13 @@ pub fn check_outputs(
     let settings = with_job_file(request.settings, request.config.clone())?;
     let read = request.inputs.iter().chain(&request.config);
     let mut paths = OutputPaths::beside(read.map(PathBuf::as_path).chain(settings.inputs()));
-    for (name, path, is_mesh) in &request.outputs {
-        let content = if *is_mesh {
-            Content::Mesh
-        } else {
-            Content::Other
-        };
-        paths.add(path, content).map_err(|error| match error {
-            JobError::Input(cause) => JobError::Input(format!("{name}: {cause}")),
-            other => other,
-        })?;
+    for (name, path, kind) in &request.outputs {
+        paths
+            .add(path, (*kind).into())
+            .map_err(|error| match error {
+                JobError::Input(cause) => JobError::Input(format!("{name}: {cause}")),
+                other => other,
+            })?;
     }
     Ok(Answer::new())
 }
@@ -228,7 +246,11 @@ fn tile<'a>(way: &'a WayShown<'_>) -> ContactTile<'a> {
 /// Settings over those of a job file.
 fn with_job_file(settings: MeshSettings, file: Option<PathBuf>) -> Result<MeshSettings, JobError> {
     settings.check_job()?;
-    let file = file.as_deref().map(MeshSettings::from_file).transpose()?;
+    let file = file.as_deref().map(MeshSettings::from_file).transpose();
+    let file = file.map_err(|error| match error {
+        JobError::Input(cause) => JobError::Input(format!("config: {cause}")),
+        other => other,
+    })?;
     let settings = settings.over(file.unwrap_or_default());
     settings.check().map(|()| settings)
 }

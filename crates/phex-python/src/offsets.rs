@@ -5,8 +5,9 @@ use crate::inputs::Inputs;
 use crate::judged::stopped;
 use phex::directions::{Curve, NetworkFamily};
 use phex::offset::{
-    GaussImage, OffsetKind, OffsetOptions, PanelSolid, SafeDistances, beam_axes, edge_gauss_image,
-    face_gauss_image, joined, layer, node_axes, panel_solids, safe_distances, vertex_gauss_image,
+    GaussImage, OffsetError, OffsetKind, OffsetOptions, PanelSolid, SafeDistances, beam_axes,
+    edge_gauss_image, face_gauss_image, joined, layer, node_axes, panel_solids, safe_distances,
+    vertex_gauss_image,
 };
 use phex::{MeshOptions, PanelSize, Progress};
 use phex_job::{JobError, Quantity, TypedPanelSize, Unit, chain, check_distances};
@@ -100,7 +101,10 @@ impl<'a> Between<'a> {
         let (mut solids, mut volumes, mut beams) = (Vec::new(), Vec::new(), Vec::new());
         for pair in self.0.windows(2) {
             if request.solids {
-                let made = panel_solids(pair[0], pair[1], request.gap).map_err(|e| told(&e))?;
+                let made = panel_solids(pair[0], pair[1], request.gap).map_err(|e| match e {
+                    OffsetError::Gap { .. } => JobError::Input(format!("gap: {e}")),
+                    e => told(&e),
+                })?;
                 volumes.push(made.iter().map(PanelSolid::volume).sum());
                 solids.push(joined(&made));
             }

@@ -38,17 +38,39 @@ pub fn values(
             let edge = mesh.mean_edge();
             measures.clearance.iter().map(|c| c / edge).collect()
         }
-        name => colours(named(name)?, &mesh, facets.as_ref(), inputs.kept.as_ref())?.values,
+        name => {
+            colours(
+                of_faces(name)?,
+                &mesh,
+                facets.as_ref(),
+                inputs.kept.as_ref(),
+            )?
+            .values
+        }
     };
     Ok(vec![("values", AnswerPart::Numbers(values))])
 }
 
+/// A map for pictures.
 fn named(name: &str) -> Result<Map, JobError> {
     let map = Map::ALL.into_iter().find(|m| m.name() == name);
     map.ok_or_else(|| {
-        let names: Vec<&str> = Map::ALL.iter().map(|m| m.name()).collect();
+        let names = Map::ALL.map(Map::name).join(", ");
+        JobError::Input(format!("color: `{name}` is none of {names}"))
+    })
+}
+
+/// A map with a value for each face.
+fn of_faces(name: &str) -> Result<Map, JobError> {
+    let is_of_edges = |m: &Map| matches!(m, Map::EdgeLength | Map::Dihedral);
+    let map = Map::ALL.into_iter().find(|m| m.name() == name);
+    map.ok_or_else(|| {
+        let maps = Map::ALL.into_iter().filter(|m| !is_of_edges(m));
+        let names: Vec<&str> = maps.map(Map::name).collect();
         let names = names.join(", ");
-        JobError::Input(format!("`{name}` is none of area, clearance, {names}"))
+        JobError::Input(format!(
+            "name: `{name}` is none of area, clearance, corners, {names}"
+        ))
     })
 }
 

@@ -99,7 +99,6 @@ fn millimetres(name: &str, quantity: Quantity) -> Result<f64, JobError> {
 fn failure(error: FabError) -> JobError {
     let told = chain(&error);
     match error {
-        FabError::Offset { .. } => JobError::NoResult(told),
         FabError::Cancelled => JobError::Cancelled,
         FabError::Content { .. } | FabError::Nest { .. } => JobError::Internal(told),
         _ => JobError::Input(told),

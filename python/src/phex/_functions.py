@@ -662,12 +662,16 @@ def _edge_lengths(lengths: Any) -> List[List[Any]]:
         return []
     try:
         pairs = lengths.items() if isinstance(lengths, dict) else lengths
-        rows = [(*edge, length) for edge, length in pairs]
-        return [[whole("lengths", a), whole("lengths", b), real("lengths", x)] for a, b, x in rows]
+        given = [(*edge, length) for edge, length in pairs]
+        rows = [[whole("lengths", a), whole("lengths", b), real("lengths", x)] for a, b, x in given]
     except InputError:
         raise
     except Exception:  # whatever a foreign object does
         raise InputError(f"lengths: {shown(lengths)} are no pairs (from, to): length") from None
+    for a, b, x in rows:
+        if x < 0.0:
+            raise InputError(f"lengths: {x!r} of the edge from {a} to {b} is not at least 0")
+    return rows
 
 
 class Fabrication(NamedTuple):
@@ -817,9 +821,16 @@ def shapes() -> Dict[str, Dict[str, Any]]:
 
 
 def shape(
-    name: str, *, triangles: int = 8000, jitter: float = 0.0, seed: int = 0, **parameters: float
+    name: str,
+    *,
+    triangles: int = 8000,
+    jitter: float = 0.0,
+    jitter_seed: int = 0,
+    **parameters: float,
 ) -> Surface:
-    """A built-in surface, as ``phex shape``.
+    """A built-in surface, as ``phex shape``: ``parameters`` are those of :func:`shapes`, the ``seed``
+    of ``b-spline`` among them. ``jitter`` moves vertices by a share of an edge, as ``jitter_seed``
+    has it (``--seed`` of the program); ``seed`` stands for it where the shape has none of its own.
 
     >>> import phex
     >>> phex.shape("torus", triangles=1000, minor=0.3).vertices.shape[1]
@@ -827,13 +838,17 @@ def shape(
     """
     if not isinstance(name, str):
         raise InputError(f"name: {shown(name)} is no text")
+    if "seed" in parameters and "seed" not in shapes().get(name, {}).get("parameters", {"seed"}):
+        if not jitter:
+            raise InputError(f"seed: has no effect on {name} without jitter")
+        jitter_seed = parameters.pop("seed")  # type: ignore[assignment]
     request = {
         "name": name,
         "parameters": [[key, real(key, value)] for key, value in parameters.items()],
         "options": {
             "triangles": whole("triangles", triangles),
             "jitter": real("jitter", jitter),
-            "seed": whole("seed", seed),
+            "seed": whole("jitter_seed", jitter_seed),
         },
     }
     made: Surface = Surface._of(run("shape", request)["mesh"], name)

@@ -17,7 +17,7 @@ from ._output import MESH_FORMATS, write_whole
 
 
 class Polygons:
-    """Vertices and polygons. Arrays are copies and can't be written to.
+    """Vertices and polygons. Arrays are copies and refuse to be written to.
 
     ``vertices`` is (n, 3) float64, in model units; ``faces`` an integer array (m, k) or a list of
     lists of vertex numbers, from 0. float32 and int32 are taken, too.
@@ -177,8 +177,12 @@ class Mesh(Polygons):
         """A number for each face.
 
         ``area`` (model units), ``clearance`` (mean edges), ``planarity`` (mean edges),
-        ``deviation`` (% of the diagonal; needs a surface), ``curvature``, ``feature-size``,
-        ``panel-area`` (mean areas), ``panel-aspect``, ``valence``, ``validity``, ``corners``.
+        ``deviation`` (% of the diagonal; needs a surface), ``panel-area`` (mean areas),
+        ``panel-aspect`` (length over width), ``corners`` (their number). The others are the numbers
+        that colours of pictures stand for: ``curvature`` is the smaller principal curvature over
+        the larger one (1 on spheres, 0 on cylinders, negative on saddles); ``feature-size`` the
+        panel's length times the largest curvature there; ``valence`` the class of the number of
+        corners, and ``validity`` that of what checks say, each with its colour in the legend.
         """
         if not isinstance(name, str):
             raise InputError(f"name: {shown(name)} is no text")
@@ -196,7 +200,7 @@ class Mesh(Polygons):
     ) -> bytes:
         """A picture as PNG or SVG, without a display; ``options`` are those of ``phex render``:
         ``width``, ``height`` (16 to 16384 pixels), ``azimuth``, ``elevation``, ``edges``,
-        ``legend``, ``ground``."""
+        ``legend``, ``ground``; and ``supersampling`` (1 to 8), samples per pixel and direction."""
         if not isinstance(color, str):
             raise InputError(f"color: {shown(color)} is no text")
         for name in ("width", "height"):
@@ -205,6 +209,14 @@ class Mesh(Polygons):
         for name in ("azimuth", "elevation"):
             if options.get(name) is not None:
                 options[name] = real(name, options[name])
+        for name in options:
+            if name not in _PICTURE:
+                raise TypeError(f"picture() got an unexpected keyword argument {name!r}")
+        for name in ("edges", "legend", "ground"):
+            if name in options:
+                options[name] = _truth(name, options[name])
+        if "supersampling" in options:
+            options["supersampling"] = whole("supersampling", options["supersampling"], 8, 1)
         request = {"color": color, "svg": _truth("svg", svg), "options": options}
         surface = self._reference()
         meshes = [self] if surface is None else [self, surface]
@@ -310,6 +322,9 @@ class Panelling(Mesh):
     def page(self, title: str = "", curves: bool = True) -> str:
         """The HTML report as a text: pictures, tables and, where it was built in, the interactive
         view."""
+        if not isinstance(title, str):
+            raise InputError(f"title: {shown(title)} is no text")
+        curves = _truth("curves", curves)
         request = {"title": title or self.name, "command": "phex (Python)", "curves": curves}
         return run("page", request, kept=self._judgement())["page"]  # type: ignore[no-any-return]
 
@@ -380,6 +395,12 @@ class Panelling(Mesh):
                 yield name.replace("_", " "), f"max {100 * report[name]['deviation_max']:.3f} %"
         for name, ids in self.offenders.items():
             yield f"FAILED {name}", f"{len(ids)} elements, first {ids[:5]}"
+
+
+#: Keywords of pictures.
+_PICTURE = frozenset(
+    "width height supersampling azimuth elevation edges legend ground".split()
+)
 
 
 def _truth(name: str, value: Any) -> bool:

@@ -130,7 +130,8 @@ def checked(name: str, value: Any, option: Option) -> Any:
             return bool(value)
         raise _wrong(name, value, "True or False")
     if option.kind == "count":
-        return whole(name, value)
+        most, least = (65535, 1) if name == "threads" else ((1 << 64) - 1, 0)
+        return whole(name, value, most, least)
     if option.kind == "size":
         return whole(name, value, least=1)
     if option.kind in ("number", "positive"):

@@ -22,13 +22,15 @@ def check_writable(
     ``paths`` are those of files by the keywords that ask for them; settings and a job file name
     inputs, too.
     """
-    outputs = [[name, path, _is_mesh(name, path)] for name, path in paths.items()]
+    outputs = [[name, path, _kind(name, path)] for name, path in paths.items()]
     request = {"outputs": outputs, "inputs": list(inputs), "config": config}
     run("outputs", {**request, "settings": settings or {}})
 
 
-def _is_mesh(name: str, path: str) -> bool:
-    return name in MESH_FILES and os.path.splitext(path)[1].lower() != ".3dm"
+def _kind(name: str, path: str) -> str:
+    if name in MESH_FILES:
+        return "other" if os.path.splitext(path)[1].lower() == ".3dm" else "mesh"
+    return {"png": "picture", "html": "page"}.get(name, "other")
 
 
 #: Keywords of meshes; what others name has any extension.

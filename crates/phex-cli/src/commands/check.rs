@@ -94,7 +94,7 @@ fn read(command: &CheckCommand, report: &RunReport) -> Vec<PathBuf> {
 }
 
 /// How far the corners of inner panels are from a homothetic copy of Dupin's indicatrix, over the
-/// panel's radius.
+/// panel's radius: root mean square over the corners of each.
 #[derive(Serialize)]
 struct Inscribed {
     /// Of all panels where that is defined.
@@ -133,7 +133,7 @@ fn inscribed(found: &Inscribed) -> String {
     table.row(
         "indicatrix",
         format!(
-            "corners off it by {} of a panel's radius in the median, {} in the mean, {} at most ({} inner panels); {free}",
+            "corners off it by {} of a panel's radius (root mean square of its corners) in the median panel, {} in the mean, {} in the worst ({} inner panels); {free}",
             percent(found.median),
             percent(found.all.mean),
             percent(found.all.max),

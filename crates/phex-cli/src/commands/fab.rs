@@ -1,6 +1,6 @@
 //! `phex fab`: the folder of workshop files.
 
-use super::{tell, use_threads};
+use super::{in_unit, tell, use_threads};
 use crate::exit::{Exit, Failure};
 use crate::fab_arguments::FabCommand;
 use crate::output::given;
@@ -13,7 +13,7 @@ use phex_fab::schedule::{self, panel_centres};
 use phex_fab::{FabError, FabOptions, Fabrication, PanelIds, fabricate, valid_mesh};
 use phex_job::MeshFile;
 use phex_job::MeshSettings;
-use phex_job::Unit;
+use phex_job::{Unit, chain};
 use phex_mesh::{HexMesh, ValidateOptions};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -34,7 +34,8 @@ pub fn run(command: &FabCommand) -> Result<Exit, Failure> {
     ]);
     folder.check(&[], &inputs)?;
     let (mesh, _) = MeshFile::read(&command.input)?.polygon_mesh()?;
-    let options = options(command, &mesh)?;
+    let (options, unit) = options(command, &mesh)?;
+    let failure = |error| failure(error, unit);
     let ids = ids(command.keep_ids.as_deref(), &mesh, options.unit_mm)?;
     let valid = valid_mesh(mesh, &ids, &options.validity).map_err(failure)?;
     let reporter = Reporter::new(&command.talk);
@@ -47,7 +48,7 @@ pub fn run(command: &FabCommand) -> Result<Exit, Failure> {
     Ok(Exit::Success)
 }
 
-fn options(command: &FabCommand, mesh: &HexMesh) -> Result<FabOptions, Failure> {
+fn options(command: &FabCommand, mesh: &HexMesh) -> Result<(FabOptions, Unit), Failure> {
     let limits = command.limits.as_deref().map(MeshSettings::from_file);
     let limits = limits.transpose()?.unwrap_or_default();
     limits.check()?;
@@ -56,7 +57,7 @@ fn options(command: &FabCommand, mesh: &HexMesh) -> Result<FabOptions, Failure> 
     let planarity = command
         .planarity
         .map(|q| q.fraction(unit, mesh.mean_edge()));
-    Ok(FabOptions {
+    let options = FabOptions {
         thickness: command.thickness.length(unit, size),
         gap: command.gap.map_or(0.0, |gap| gap.length(unit, size)),
         side: command.side.into(),
@@ -73,7 +74,8 @@ fn options(command: &FabCommand, mesh: &HexMesh) -> Result<FabOptions, Failure> 
             planarity,
             ..Default::default()
         },
-    })
+    };
+    Ok((options, unit))
 }
 
 fn ids(previous: Option<&Path>, mesh: &HexMesh, unit_mm: f64) -> Result<PanelIds, Failure> {
@@ -90,9 +92,10 @@ fn ids(previous: Option<&Path>, mesh: &HexMesh, unit_mm: f64) -> Result<PanelIds
     Ok(PanelIds::keeping(mesh, &centres))
 }
 
-fn failure(error: FabError) -> Failure {
+fn failure(error: FabError, unit: Unit) -> Failure {
     let exit = match error {
-        FabError::Offset { .. } => Exit::NoValidResult,
+        // A thickness or a gap that was typed.
+        FabError::Offset { .. } => return in_unit(chain(&error), unit),
         FabError::Cancelled => return Failure::interrupted(),
         FabError::Content { .. } | FabError::Nest { .. } => Exit::Internal,
         _ => Exit::InputUnusable,

@@ -29,7 +29,7 @@ mod terms;
 use crate::args::Command;
 use crate::exit::{Exit, Failure};
 use crate::output;
-use phex_job::thread_count;
+use phex_job::{Unit, thread_count};
 
 /// Runs a command.
 ///
@@ -66,6 +66,12 @@ pub fn run(command: Command) -> Result<Exit, Failure> {
 /// Prints a result, unless the user wants silence.
 fn tell(quiet: bool, text: &str) -> Result<(), Failure> {
     if quiet { Ok(()) } else { output::print(text) }
+}
+
+/// The refusal of a typed value, with the unit in place of `model units`.
+fn in_unit(told: impl std::fmt::Display, unit: Unit) -> Failure {
+    let told = told.to_string();
+    Failure::input(told.replace(" (model units)", &format!(" {unit}")))
 }
 
 /// Sets the number of threads; called once, before anything is computed.

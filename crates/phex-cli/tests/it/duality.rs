@@ -117,7 +117,11 @@ fn indicatrices_are_written_and_panels_measured_against_them() {
     let apart = count(shop.succeed("dupin torus.obj -o apart.obj --panels mesh.obj --apart"));
     assert!(7 * apart >= all && 3 * apart <= all, "{apart} of {all}");
     let run = shop.succeed("check mesh.obj --surface torus.obj --report check.json");
-    assert!(run.stdout.contains("indicatrix"), "{}", run.stdout);
+    assert!(
+        run.stdout.contains("(root mean square of its corners)"),
+        "{}",
+        run.stdout
+    );
     let mean = shop.json("check.json")["statistics"]["indicatrix"]["all"]["mean"]
         .as_f64()
         .unwrap();
@@ -239,4 +243,21 @@ fn a_method_says_where_the_surface_leaves_its_domain() {
             .contains("one sign")
     );
     assert!(told["defects"]["singular_edges"].as_u64().unwrap() > 10);
+}
+
+#[test]
+fn surfaces_that_bend_in_one_direction_are_refused_by_methods_in_the_dual() {
+    let shop = Workshop::new();
+    shop.succeed("shape cylinder --triangles 2000 -o cylinder.obj");
+    for method in [
+        "projective-dual",
+        "dual-subdivision",
+        "tangent-planes",
+        "parallel",
+    ] {
+        shop.phex(&format!(
+            "mesh cylinder.obj --method {method} -n 60 -o mesh.obj"
+        ))
+        .refuses(4, &["other than zero", "bends in one direction at most"]);
+    }
 }

@@ -72,7 +72,12 @@ fn what_can_t_be_built_is_refused_by_name() {
         4,
         &["panel A1", "does not fit", "11 more"],
     );
-    refused(&shop, &fab("--gap 1"), 5, &["panel A1", "gap"]);
+    refused(
+        &shop,
+        &fab("--gap 1"),
+        4,
+        &["panel A1", "gap of 1 m", "room for is 0."],
+    );
     for option in ["--spacing", "--text", "--tolerance"] {
         let told = [option, "`10%` is a percentage"];
         refused(&shop, &fab(&format!("{option} 10%")), 2, &told);
@@ -293,12 +298,11 @@ fn a_thickness_past_the_safe_offset_names_panels_and_the_safe_one() {
     refused(
         &shop,
         "fab m.obj --thickness 0.6 --sheet 5000x5000 -o out",
-        5,
+        4,
         &[
             "panels P000",
-            "largest safe thickness",
-            "0.47",
-            "(model units)",
+            "largest safe thickness on this side is 0.47",
+            " m",
         ],
     );
     shop.succeed("fab m.obj --thickness 0.1 --sheet 5000x5000 -o out");

@@ -346,7 +346,7 @@ fn wrong_options_are_refused() {
     refused(
         &shop,
         "offset m.obj --distance 0.1 -o layers --solids --gap 1.5",
-        5,
-        &["gap of 1.5", "face"],
+        4,
+        &["gap of 1.5 m", "face", "room for is 0."],
     );
 }

@@ -137,7 +137,7 @@ pub enum OffsetError {
     },
     /// The gap leaves nothing of a panel, or makes it touch itself.
     #[error(
-        "a joint gap of {gap} is too wide for face {face}; the largest that every panel has room for is {most} (model units)"
+        "a joint gap of {gap} (model units) is too wide for face {face}; the largest that every panel has room for is {most} (model units)"
     )]
     Gap {
         /// The face.

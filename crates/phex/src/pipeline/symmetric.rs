@@ -306,10 +306,17 @@ fn used(
                 level: false,
             }]);
         }
-        Symmetry::Turns(n) if found.revolution || all.is_multiple_of(n) => vec![n],
+        // The largest order is the one that was looked for: others may hold as well.
+        Symmetry::Turns(n)
+            if found.revolution
+                || all.is_multiple_of(n)
+                || symmetry::has_turn(surface, &found.frame, n, SYMMETRY_TOLERANCE) =>
+        {
+            vec![n]
+        }
         Symmetry::Turns(n) => {
             return Err(format!(
-                "the surface has the symmetry {}, and no rotation of order {n}",
+                "the surface has the symmetry {}, and no rotation of order {n} about the axis of that",
                 found.group.name()
             ));
         }
@@ -567,6 +574,15 @@ impl<'a> DomainPanels<'a> {
         Judge::new(whole, References::default(), limits)
     }
 
+    /// What is said where the images of a part do not make up the surface.
+    fn not_closed(&self, cause: &str) -> String {
+        format!(
+            "a part with about {} panels, repeated {} times, does not close to the surface ({cause}): more panels, or a symmetry of fewer rotations, may help",
+            self.panels,
+            self.group.order()
+        )
+    }
+
     /// The part and all its images, normalised.
     fn assembled(
         &self,
@@ -595,7 +611,9 @@ impl<'a> DomainPanels<'a> {
             panels: all.panels,
         };
         let mesh = outside(&all.mesh);
-        same_topology(whole.topology(), mesh.topology())?;
+        if let Err(cause) = same_topology(whole.topology(), mesh.topology()) {
+            return Err(self.not_closed(&cause).into());
+        }
         let distinct = part.topology().n_faces();
         let statistics = Statistics {
             symmetry: Some(SymmetrySummary {

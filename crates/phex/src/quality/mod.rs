@@ -15,7 +15,9 @@
 //! | invalid | the mesh is no panelling: a face not simple, folded back or flipped, a vertex covered twice or of wrong degree, an edge through a face |
 //!
 //! Guaranteed: pure functions of their arguments. A mesh of which the judge finds nothing invalid
-//! and nothing outside passes every located check of the report, and the other way round.
+//! and nothing outside passes every located check of the report, and the other way round. Crossings
+//! that the surface has itself are an exception: the report fails them, and the judge, whose search
+//! could not mend them, does not count them.
 
 mod advice;
 mod assessment;

@@ -95,6 +95,17 @@ pub(crate) fn find(surface: &TriangleSurface, tolerance: f64) -> (Option<Found>,
     (found, turns)
 }
 
+/// Whether a surface has a rotation of an order about the axis of a frame.
+pub(crate) fn has_turn(
+    surface: &TriangleSurface,
+    frame: &Frame,
+    order: u32,
+    tolerance: f64,
+) -> bool {
+    let search = AxisSearch::new(surface, tolerance);
+    search.distance(frame, &[turn(1, order)], usize::MAX) <= tolerance
+}
+
 /// Largest distance of vertices' images under a group to the surface.
 pub(crate) fn distance(surface: &TriangleSurface, frame: &Frame, group: Group) -> f64 {
     let search = AxisSearch::new(surface, 0.0);
@@ -187,6 +198,16 @@ impl<'a> AxisSearch<'a> {
         axes
     }
 
+    /// The largest order of a rotation about the axis of a frame that is within a tolerance.
+    fn turns_within(&self, frame: &Frame) -> Option<u32> {
+        let fits = |n: &u32| {
+            let maps = [turn(1, *n)];
+            self.distance(frame, &maps, FEW) <= self.tolerance
+                && self.distance(frame, &maps, SOME) <= self.tolerance
+        };
+        (2..=MOST_TURNS).rev().find(fits)
+    }
+
     /// What the surface allows about an axis through its centroid.
     fn about(&self, axis: Vec3) -> About {
         let frame = frame_about(self.centroid, axis, Vec3::x());
@@ -200,9 +221,14 @@ impl<'a> AxisSearch<'a> {
         };
         let strongest = |m: usize| harmonics[m].norm();
         let most = (1..harmonics.len()).map(strongest).fold(0.0, f64::max);
-        about.revolution = most < NO_HARMONIC
-            && self.holds(&frame, &turn(7, 100))
-            && self.holds(&frame, &turn(16, 100));
+        // Facets have harmonics of their own: images tell where these are small but not that small.
+        let round = [7, 16].map(|k| turn(k, 100));
+        about.revolution = if most < NO_HARMONIC {
+            round.iter().all(|map| self.holds(&frame, map))
+        } else {
+            self.distance(&frame, &round, FEW) <= self.tolerance
+                && self.distance(&frame, &round, SOME) <= self.tolerance
+        };
         if about.revolution {
             about.mirrors = self.holds(&frame, &reflection(Vec3::y()));
             about.turns = MOST_FOUND;
@@ -336,7 +362,7 @@ impl<'a> AxisSearch<'a> {
         about.level &= fits(&reflection(Vec3::z()));
         about.revolution &= fits(&turn(7, 100)) && fits(&turn(16, 100));
         if about.turns > 1 && !about.revolution && !fits(&turn(1, about.turns)) {
-            about.turns = 1;
+            about.turns = self.turns_within(&about.frame).unwrap_or(1);
         }
     }
 

@@ -231,6 +231,23 @@ fn what_a_surface_does_not_have_is_refused_by_name() {
     );
 }
 
+/// Facets of a sphere have harmonics of their own: with 2000 of them it was one of revolution to
+/// every image, and no such to the harmonics.
+#[test]
+fn a_coarse_sphere_has_every_order_that_is_asked_for() {
+    let options = TriangulationOptions {
+        triangles: 2000,
+        ..Default::default()
+    };
+    let sphere = triangulate(&Shape::from_name("sphere", &[]).unwrap(), &options).unwrap();
+    for order in [5, 7] {
+        if let Err(error) = meshed(&sphere, 32, Symmetry::Turns(order)) {
+            let told = error.to_string();
+            assert!(!told.contains("no rotation of order"), "{told}");
+        }
+    }
+}
+
 #[test]
 fn surfaces_without_symmetry_are_meshed_as_without_the_option() {
     let free = surface("b-spline", &[], 0.0);

@@ -170,8 +170,8 @@ impl Base {
         } else {
             rounded_down(safe.outward.distance)
         };
-        let message =
-            format!("{error}; the largest safe distance on that side is {most} (model units)");
+        let unit = job.command.unit;
+        let message = format!("{error}; the largest safe distance on that side is {most} {unit}");
         Failure::new(Exit::NoValidResult, message)
     }
 }

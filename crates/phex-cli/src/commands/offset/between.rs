@@ -1,8 +1,10 @@
 //! What lies between two layers: solid panels, beams, nodes.
 
 use super::OffsetLayer;
+use crate::commands::in_unit;
 use crate::exit::{Exit, Failure, OrExit};
-use phex::offset::{PanelSolid, beam_axes, joined, node_axes, panel_solids};
+use phex::offset::{OffsetError, PanelSolid, beam_axes, joined, node_axes, panel_solids};
+use phex_job::Unit;
 use phex_mesh::{HexMesh, PolygonSoup, Vec3};
 use std::fmt::Write as _;
 
@@ -39,8 +41,12 @@ impl<'a> Pair<'a> {
 ///
 /// # Errors
 /// If the gap is too wide, or a panel has no volume.
-pub(super) fn solids(pair: &Pair<'_>, gap: f64) -> Result<(PolygonSoup, f64), Failure> {
-    let solids = panel_solids(pair.lower, pair.upper, gap).or_exit(Exit::NoValidResult)?;
+pub(super) fn solids(pair: &Pair<'_>, gap: f64, unit: Unit) -> Result<(PolygonSoup, f64), Failure> {
+    let solids = panel_solids(pair.lower, pair.upper, gap);
+    let solids = solids.map_err(|error| match error {
+        OffsetError::Gap { .. } => in_unit(error, unit),
+        error => Failure::new(Exit::NoValidResult, error),
+    })?;
     let volume = solids.iter().map(PanelSolid::volume).sum();
     Ok((joined(&solids), volume))
 }

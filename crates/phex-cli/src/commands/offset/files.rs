@@ -154,7 +154,7 @@ impl Files {
         let pairs = Pair::successive(&base.mesh, layers);
         if command.solids {
             for pair in &pairs {
-                let (soup, volume) = solids(pair, job.gap)?;
+                let (soup, volume) = solids(pair, job.gap, command.unit)?;
                 bodies.push(("solids", FileBody::Mesh(soup), Some(volume)));
             }
         }

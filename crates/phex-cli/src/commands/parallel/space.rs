@@ -73,6 +73,9 @@ fn wished(path: &Path, space: &ParallelSpace) -> Result<PerEdge<f64>, Failure> {
         let [from, to, length] = line.numbers[..] else {
             return Err(line.wrong("`from to length`").into());
         };
+        if length < 0.0 {
+            return Err(line.wrong("a length of at least 0").into());
+        }
         let edge = between(&edges, [from, to]);
         let edge = edge.ok_or_else(|| line.wrong("an edge between two vertices of the mesh"))?;
         lengths[edge] = length;

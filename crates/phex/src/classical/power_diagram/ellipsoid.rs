@@ -180,8 +180,8 @@ fn canonical(c: &Coefficients) -> Result<Ellipsoid, &'static str> {
     let squares = eigen.eigenvalues.map(|e| level / e);
     match squares.iter().filter(|s| **s > 0.0).count() {
         3 => {}
-        2 => return Err("a hyperboloid of one sheet"),
-        1 => return Err("a hyperboloid of two sheets"),
+        2 => return Err("a hyperboloid of one sheet or a cone"),
+        1 => return Err("a hyperboloid of two sheets or a cone"),
         _ => return Err("imaginary"),
     }
     let axes = Matrix3::from_diagonal(&squares.map(f64::sqrt));

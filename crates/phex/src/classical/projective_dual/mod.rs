@@ -23,7 +23,7 @@
 //! curvatures of `S` in the metric of `S'` below 3). Refused where tangent planes pass through
 //! every centre, and where `K` changes its sign, unless asked to go on.
 
-use super::domain::{DomainError, LocatedVertex, SignedPlaces, no_flat_point};
+use super::domain::{DomainError, LocatedVertex, SignedPlaces, no_flat_point, not_flat};
 use super::duality::{OrientedPlane, Quadric, clear_centre, clearness};
 use crate::curvature::Curvature;
 use nalgebra::{Matrix3, Matrix4, SMatrix, Vector4};
@@ -176,8 +176,8 @@ pub(super) fn with_floor(
 /// program has chosen the centre.
 ///
 /// # Errors
-/// Where tangent planes pass through every centre, `K` changes its sign, or `K < 0` but for a flat
-/// point.
+/// Where tangent planes pass through every centre, `K` changes its sign or is zero, or `K < 0` but
+/// for a flat point.
 pub(crate) fn check(
     surface: &TriangleSurface,
     curvature: &Curvature,
@@ -189,6 +189,8 @@ pub(crate) fn check(
     let sign = places.one_sign(method, "the dual surface has a cusp")?;
     let consequence = "the dual surface winds round a branch point there";
     no_flat_point(sign, surface, curvature, method, consequence)?;
+    let consequence = "tangent planes beside one another meet far away";
+    not_flat(surface, curvature, method, consequence)?;
     if dual.is_affine() {
         return Ok(());
     }

@@ -7,7 +7,7 @@ use super::{
     ClassicalMesh, ClassicalStatistics, CurvedGround, cells, fitted_planes, joined, met,
     on_gauss_sphere, refusal,
 };
-use crate::classical::domain::{CurvatureSign, SignedPlaces, no_flat_point};
+use crate::classical::domain::{CurvatureSign, SignedPlaces, no_flat_point, not_flat};
 use crate::classical::duality::{OrientedPlane, convex_panels, envelope};
 use crate::layout::{Layout, LayoutError};
 use crate::offset::fit::{FitOptions, FitStart, fit_parallel};
@@ -30,6 +30,7 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMe
     let (surface, curvature) = (start.surface, &start.curvature);
     let checked =
         checked.and_then(|sign| no_flat_point(sign, surface, curvature, METHOD, consequence));
+    let checked = checked.and_then(|_| not_flat(surface, curvature, METHOD, consequence));
     classical.outside = refusal(checked, ground)?;
     let (fine, Drawn { placed, layout, .. }) = cells(ground, &field, clock)?;
     let elliptic = classical.curvature == CurvatureSign::Elliptic;
