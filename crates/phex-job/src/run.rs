@@ -370,7 +370,11 @@ impl<'a> MeshTask<'a> {
         let bound = runs
             .iter()
             .filter_map(|run| run.classical.as_ref()?.edges_at_bound);
-        advise_by_method(&mut report.checks, bound.sum(), mesh.topology().n_edges());
+        advise_by_method(
+            &mut report.assessment.checks,
+            bound.sum(),
+            mesh.topology().n_edges(),
+        );
         describe(&mut report, &self.settings, runs)?;
         let wishes = match self.job.start {
             None => self.wishes(&mesh, smooth.as_ref(), &cones).told(),

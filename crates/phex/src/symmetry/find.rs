@@ -103,7 +103,9 @@ pub(crate) fn has_turn(
     tolerance: f64,
 ) -> bool {
     let search = AxisSearch::new(surface, tolerance);
-    search.distance(frame, &[turn(1, order)], usize::MAX) <= tolerance
+    // A small turn moves little, whatever the surface; its powers tell.
+    let powers = [1, order / 3, order / 2].map(|k| turn(k.max(1), order));
+    search.distance(frame, &powers, usize::MAX) <= tolerance
 }
 
 /// Largest distance of vertices' images under a group to the surface.
@@ -205,7 +207,7 @@ impl<'a> AxisSearch<'a> {
             self.distance(frame, &maps, FEW) <= self.tolerance
                 && self.distance(frame, &maps, SOME) <= self.tolerance
         };
-        (2..=MOST_TURNS).rev().find(fits)
+        (2..=MOST_FOUND).rev().find(fits)
     }
 
     /// What the surface allows about an axis through its centroid.
