@@ -3,7 +3,7 @@
 
 use super::joined::{cells, joined, met};
 use super::{ClassicalMesh, ClassicalStatistics, CurvedGround, refusal};
-use crate::classical::domain::{CurvatureSign, not_flat};
+use crate::classical::domain::CurvatureSign;
 use crate::classical::duality::Quadric;
 use crate::classical::projective_dual::{self, SurfaceDual};
 use crate::classical::support_function;
@@ -66,12 +66,6 @@ pub(super) fn tangent_planes(
     // Planes of any lattice can be taken; what becomes of them where facets hide the curvature is
     // not the method's fault.
     classical.outside = start.resolved(ground, TANGENT_PLANES).err();
-    // Fitted panels need no planes that meet.
-    if options.dual.regularisation == 0.0 {
-        let consequence = "tangent planes beside one another meet far away";
-        let curved = not_flat(start.surface, &start.curvature, TANGENT_PLANES, consequence);
-        classical.outside = refusal(curved, ground)?.or(classical.outside);
-    }
     let (
         fine,
         Drawn {
