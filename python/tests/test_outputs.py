@@ -62,12 +62,6 @@ def test_an_error_names_the_file_and_not_one_before_it(ball):
         assert str(raised.value).startswith(name) and ".phex-" not in str(raised.value)
 
 
-def test_pages_and_pictures_have_any_name_as_in_the_program(sphere):
-    phex.mesh(sphere, effort="draft", **HOW, html="page.obj", png="picture.txt")
-    assert "</html>" in pathlib.Path("page.obj").read_text()
-    assert pathlib.Path("picture.txt").read_bytes().startswith(b"\x89PNG")
-
-
 @pytest.fixture
 def given(sphere):
     """The user's own files."""
@@ -81,16 +75,16 @@ def given(sphere):
     [
         {"output": "in.obj"},
         {"report": "./in.obj"},
-        {"png": "link.obj"},
+        {"png": "link.png"},
         {"config": "job.toml", "report": "job.toml"},
         {"config": "job.toml", "output": "g.obj"},
         {"guide": "g.obj", "output": "g.obj"},
-        {"html": "same.x", "report": "same.x"},
+        {"html": "same.html", "report": "same.html"},
         {"output": "a.obj", "write_target": "a.obj"},
     ],
 )
 def test_no_file_is_written_that_is_read_or_written_twice(idle, given, how):
-    os.symlink("in.obj", "link.obj")
+    os.symlink("in.obj", "link.png")
     for surface in ("in.obj", phex.Surface.read("in.obj")):
         for call in (phex.mesh, phex.start):
             with pytest.raises(phex.InputError, match="is also read, or written twice"):
