@@ -172,17 +172,21 @@ fn prescribe(
     }
     let open = !topology.is_closed();
     let mut moved = 0;
-    while let Some(f) = topology.faces().find(|f| excess[*f] != 0) {
-        let sign = excess[f].signum();
-        let opposite = |g: FaceId| excess[g].signum() == -sign;
-        let ways = routes(topology, mesh, f, (f64::INFINITY, 1), open, opposite);
-        let Some(way) = ways.first() else { break };
-        turns.carry(topology, way, sign);
-        excess[f] -= sign;
-        if let Some(to) = way.to {
-            excess[to] += sign;
+    for f in topology.faces() {
+        while excess[f] != 0 {
+            let sign = excess[f].signum();
+            let opposite = |g: FaceId| excess[g].signum() == -sign;
+            let ways = routes(topology, mesh, f, (f64::INFINITY, 1), open, opposite);
+            let Some(way) = ways.first() else {
+                return moved;
+            };
+            turns.carry(topology, way, sign);
+            excess[f] -= sign;
+            if let Some(to) = way.to {
+                excess[to] += sign;
+            }
+            moved += 1;
         }
-        moved += 1;
     }
     moved
 }

@@ -66,7 +66,7 @@ pub(crate) struct Route {
 }
 
 /// The shortest ways from a triangle to those within `reach` lattice spacings that `wanted` names,
-/// at `most` so many, and, where `leaving`, out of the boundary; the shortest first.
+/// at `most` so many, the shortest first. Where `leaving`, they end with the one out of the boundary.
 pub(crate) fn routes(
     topology: &Topology,
     mesh: &IntrinsicMesh,
@@ -79,9 +79,13 @@ pub(crate) fn routes(
     known.insert(from, (0.0, None));
     let mut heap = BinaryHeap::from([Reverse((Distance(0.0), from))]);
     let mut found = Vec::new();
+    let mut exit: Option<(f64, FaceId, EdgeId)> = None;
     while let Some(Reverse((Distance(length), f))) = heap.pop() {
         if length > known[&f].0 {
             continue;
+        }
+        if exit.is_some_and(|e| e.0 <= length) {
+            break;
         }
         if wanted(f) {
             found.push(Route {
@@ -96,15 +100,9 @@ pub(crate) fn routes(
         }
         for h in topology.face_half_edges(f) {
             let Some(twin) = topology.twin(h) else {
-                if leaving {
-                    let mut path = path_to(&known, f);
-                    path.push((f, topology.edge(h)));
-                    found.push(Route {
-                        length: length + mesh.half_crossing(f),
-                        from,
-                        to: None,
-                        path,
-                    });
+                let out = length + mesh.half_crossing(f);
+                if leaving && exit.is_none_or(|e| out < e.0) {
+                    exit = Some((out, f, topology.edge(h)));
                 }
                 continue;
             };
@@ -116,7 +114,16 @@ pub(crate) fn routes(
             }
         }
     }
-    found.sort_by(|a, b| a.length.total_cmp(&b.length));
+    if let Some((length, f, edge)) = exit.filter(|_| found.len() < most) {
+        let mut path = path_to(&known, f);
+        path.push((f, edge));
+        found.push(Route {
+            length,
+            from,
+            to: None,
+            path,
+        });
+    }
     found
 }
 
