@@ -4,7 +4,8 @@ use crate::common::{
 };
 use phex::smooth_surface::{Coarsened, Normalised, boundary_corners, coarsened};
 use phex::{Boundary, MeshOptions, PanelSize, Silent, mesh_surface};
-use phex_mesh::{BoundaryCurve, TriangleSurface, VertexId};
+use phex_mesh::{BoundaryCurve, PolygonSoup, TriangleSurface, Vec3, VertexId};
+use std::f64::consts::TAU;
 
 const CORNER: f64 = 0.7;
 
@@ -42,6 +43,33 @@ fn as_many_vertices_as_asked_for_and_the_same_topology() {
             pairs.for_each(|(p, v)| assert_eq!(*p, place(*v)));
         }
     }
+}
+
+/// A bowl turned on a lathe has 720 narrow triangles in each row, 5 to 50 times as long as wide: of
+/// two beside one another each gets a little thinner when the other goes.
+#[test]
+fn narrow_triangles_in_rows_go() {
+    let (around, rows) = (720, 53);
+    let place = |row: u32, k: u32| {
+        let (down, turn) = (0.05 + 0.025 * f64::from(row), TAU * f64::from(k) / 720.0);
+        Vec3::new(down.sin() * turn.cos(), down.sin() * turn.sin(), down.cos())
+    };
+    let number = |row: u32, k: u32| row * around + k % around;
+    let cells = (0..rows).flat_map(|row| (0..around).map(move |k| (row, k)));
+    let faces = cells.flat_map(|(row, k)| {
+        let [a, b] = [k, k + 1].map(|k| number(row, k));
+        let [d, c] = [k, k + 1].map(|k| number(row + 1, k));
+        [vec![a, d, c], vec![a, c, b]]
+    });
+    let vertices = (0..=rows).flat_map(|row| (0..around).map(move |k| place(row, k)));
+    let soup = PolygonSoup {
+        positions: vertices.collect(),
+        faces: faces.collect(),
+    };
+    let bowl = TriangleSurface::from_soup(&soup).unwrap();
+    let found = coarse(&bowl.components[0].surface, 2000);
+    let left = found.surface.positions().len();
+    assert!((2000..2400).contains(&left), "{left}");
 }
 
 /// Slivers and gaps are caught.

@@ -15,7 +15,8 @@ const TURN: f64 = 0.8;
 /// panels that resolve a surface are no longer than 0.8 of its least radius of curvature, and five
 /// vertices apart on each of them make 0.16.
 const BEND: f64 = 0.98;
-/// Least quality of a triangle, or what it had.
+/// Least quality of a triangle, or that of the worst one round the vertex that goes: among thin
+/// triangles in rows, each is a little thinner until its neighbours follow.
 const QUALITY: f64 = 0.3;
 /// Longest edge, in units of the spacing.
 const LONGEST: f64 = 1.8;
@@ -142,6 +143,9 @@ fn worth(mesh: &ChangingMesh, h: u32, removed: u32, kept: u32) -> Option<f64> {
     {
         return None;
     }
+    let quality = |g: u32| mesh.quality([g, next(g), prev(g)].map(|k| mesh.table.origin(k)));
+    let ring = mesh.table.outgoing(removed).map(quality);
+    let least = ring.fold(QUALITY, f64::min);
     let mut worst = f64::INFINITY;
     for g in mesh.table.outgoing(removed) {
         let [b, c] = [next(g), prev(g)].map(|k| mesh.table.origin(k));
@@ -154,7 +158,7 @@ fn worth(mesh: &ChangingMesh, h: u32, removed: u32, kept: u32) -> Option<f64> {
             return None;
         }
         let quality = mesh.quality(new);
-        if quality < QUALITY.min(mesh.quality(old)) || too_long(mesh, kept, b) {
+        if quality < least || too_long(mesh, kept, b) {
             return None;
         }
         worst = worst.min(quality);
