@@ -60,7 +60,8 @@ pub enum Command {
     /// Make meshes that have the edge directions of a given one: closest to a surface, or with edge
     /// lengths as wished; measure their space
     Parallel(ParallelCommand),
-    /// Dualise a mesh: faces become vertices, vertices faces; twice gives a closed mesh back, an open one without its outer ring
+    /// Dualise a mesh: faces become vertices, vertices faces; twice gives a closed mesh back, an
+    /// open one without its outer ring
     Dual(DualCommand),
     /// Refine a mesh with planar faces, four panels for one
     Subdivide(SubdivideCommand),

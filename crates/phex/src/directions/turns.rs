@@ -66,7 +66,7 @@ pub(crate) struct Route {
 }
 
 /// The shortest ways from a triangle to those within `reach` lattice spacings that `wanted` names,
-/// at `most` so many, the shortest first. Where `leaving`, they end with the one out of the boundary.
+/// at `most` so many, the shortest first. Where `leaving`, the one out of the boundary is the last.
 pub(crate) fn routes(
     topology: &Topology,
     mesh: &IntrinsicMesh,
