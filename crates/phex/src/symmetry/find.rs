@@ -74,9 +74,8 @@ struct About {
 /// planes if there is nothing else; lengths in the surface's unit.
 pub(crate) fn find(surface: &TriangleSurface, tolerance: f64) -> (Option<Found>, Option<u32>) {
     let search = AxisSearch::new(surface, tolerance);
-    let mut about: Vec<About> = (search.axes().into_iter())
-        .map(|axis| search.about(axis))
-        .collect();
+    let axes = search.axes();
+    let mut about: Vec<About> = axes.par_iter().map(|axis| search.about(*axis)).collect();
     about.sort_by_key(About::rank);
     let with_mirrors = about.iter().rev().filter(|a| a.mirrors).copied();
     // A door in one wall leaves the mirror plane through it.
