@@ -10,7 +10,7 @@ use super::{classical, normalise, portfolio, repeated, size, steered};
 use crate::optimise::OptimiseError;
 use crate::progress::{Event, Progress};
 use crate::smooth_surface::{Normalised, TargetOptions};
-use crate::symmetry::Symmetry;
+use crate::symmetry::{Orbits, Symmetry};
 use crate::trim::Boundary;
 use phex_mesh::TriangleSurface;
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -132,25 +132,39 @@ impl Session {
         }
     }
 
-    /// Goes to normalised coordinates, which all methods work in, and back.
     fn made(
         &self,
         panels: usize,
         given: &MeshOptions,
         progress: &dyn Progress,
     ) -> Result<MeshRun, PipelineError> {
-        let model = self.model(given);
+        self.made_in(self.model(given), panels, given, progress)
+    }
+
+    /// Goes to normalised coordinates, which all methods work in, and back.
+    fn made_in(
+        &self,
+        model: &Normalised,
+        panels: usize,
+        given: &MeshOptions,
+        progress: &dyn Progress,
+    ) -> Result<MeshRun, PipelineError> {
         let options = normalise::normalised(given, model)?;
-        let progress = &InModel {
+        let in_model = &InModel {
             progress,
             affinity: &model.affinity,
         };
         let surface = &model.surface;
-        let mut clock = Clock::new(progress);
+        let mut clock = Clock::new(in_model);
         let made = self.panelled(model, panels, &options, &mut clock);
         let held = made.and_then(|run| steered::steered(run, &options, &mut clock));
         let equal = held.and_then(|run| repeated::repeated(run, surface, &options, &mut clock));
         let run = equal.map_err(|error| error.in_model(model))?;
+        let kept = |o: &Orbits| o.are_kept(&model.affinity);
+        if !run.orbits.as_ref().is_none_or(kept) {
+            // Images would bend where heights are lowered.
+            return self.made_in(self.plain(), panels, given, progress);
+        }
         Ok(MeshRun {
             stages: clock.stages,
             ..run.restored(model, &given.steering)
@@ -194,8 +208,12 @@ impl Session {
         let keeps = |m: &&Normalised| {
             options.symmetry == Symmetry::None || m.affinity.axis.iter().any(|x| x.abs() == 1.0)
         };
-        let plain = || self.plain.get_or_init(|| Normalised::of(&self.surface));
-        raised.filter(keeps).unwrap_or_else(plain)
+        raised.filter(keeps).unwrap_or_else(|| self.plain())
+    }
+
+    /// The surface in coordinates with heights as they are.
+    fn plain(&self) -> &Normalised {
+        self.plain.get_or_init(|| Normalised::of(&self.surface))
     }
 
     /// What panels are laid out on: that of the last run where it is the same.

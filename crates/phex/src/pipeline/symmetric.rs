@@ -117,9 +117,13 @@ fn smooth_target(surface: &TriangleSurface, panels: usize, options: &MeshOptions
     smooth_surface::smooth_target(near, vertices, &options.target)
 }
 
+fn within_tolerance() -> String {
+    format!("within {} % of its diagonal", 100.0 * SYMMETRY_TOLERANCE)
+}
+
 /// What is said of a surface without mirror planes that has a rotation of an order, or none.
 fn without_mirrors(turns: Option<u32>) -> String {
-    let within = format!("within {} % of its diagonal", 100.0 * SYMMETRY_TOLERANCE);
+    let within = within_tolerance();
     match turns {
         Some(n) => format!(
             "the surface has a rotation of order {n} and no mirror plane {within}, and panels follow mirror planes alone"
@@ -316,8 +320,9 @@ fn used(
         }
         Symmetry::Turns(n) => {
             return Err(format!(
-                "the surface has the symmetry {}, and no rotation of order {n} about the axis of that",
-                found.group.name()
+                "the surface has the symmetry {}, and no rotation of order {n} {}",
+                found.group.name(),
+                within_tolerance()
             ));
         }
         _ if found.revolution => fewer_turns(turns_of_revolution(found, surface, panels)),

@@ -13,6 +13,8 @@ const MOST: f64 = 10.0;
 /// Sine of the angle up to which an axis is taken for that of a coordinate, so that mirror planes
 /// of a surface that stands upright remain mirror planes to the last bit.
 const UPRIGHT: f64 = 2e-3;
+/// Sine of the angle within which an isometry leaves the axis where it is: rounding.
+const ALONG: f64 = 1e-14;
 
 /// Affinity from model coordinates to normalised ones: `(p - centre) / scale`, with heights along
 /// an axis `factor` times as large.
@@ -72,6 +74,12 @@ impl Affinity {
     /// A vector between two places in normalised coordinates, in model coordinates.
     pub fn restore_vector(&self, v: Vec3) -> Vec3 {
         along(v, self.axis, 1.0 / self.factor) * self.scale
+    }
+
+    /// Whether the images of a plane mesh under an isometry of normalised coordinates, of which
+    /// this is the linear part, are images of it in the model, too.
+    pub(crate) fn keeps(&self, map: &Matrix3<f64>) -> bool {
+        self.factor == 1.0 || (map * self.axis).cross(&self.axis).norm() < ALONG
     }
 
     /// A place in normalised coordinates whose height is still as the model's.

@@ -417,26 +417,31 @@ impl<'a> AxisSearch<'a> {
         }
     }
 
-    /// The frame with axes along those of the model, and its origin at the model's, where it nearly
-    /// is.
+    /// The frame with its axis and its mirror plane along axes of the model, and its origin at the
+    /// model's, where they nearly are.
     fn simplified(&self, frame: &Frame) -> Frame {
         const NEAR: f64 = 2e-3;
-        let mut axes = frame.axes;
-        for mut row in axes.row_iter_mut() {
-            if let Some(k) = (0..3).find(|k| row[*k].abs() > 1.0 - NEAR * NEAR) {
-                let sign = row[k].signum();
-                (0..3).for_each(|j| row[j] = if j == k { sign } else { 0.0 });
-            }
-        }
-        // Two rows of an orthonormal frame may have been rounded and the third not.
-        let is_rotation = (axes * axes.transpose() - Matrix3::identity()).amax() < 1e-12;
+        let row = |k: usize| frame.axes.row(k).transpose();
+        let simple = |v: Vec3| v.map(|x| if x.abs() < NEAR { 0.0 } else { x }).normalize();
+        let (axis, normal) = (simple(row(2)), simple(row(1)));
+        // One of both gives way where they are no longer at right angles.
+        let [axis, normal] = match axis.iter().any(|x| x.abs() == 1.0) {
+            true => [axis, across(normal, axis)],
+            false => [across(axis, normal), normal],
+        };
+        let rows = [normal.cross(&axis), normal, axis].map(|v| v.transpose());
         let near = self.tolerance;
         let origin = frame.origin.map(|x| if x.abs() < near { 0.0 } else { x });
         Frame {
             origin,
-            axes: if is_rotation { axes } else { frame.axes },
+            axes: Matrix3::from_rows(&rows),
         }
     }
+}
+
+/// The unit vector at right angles to another one that is nearest to `v`.
+fn across(v: Vec3, unit: Vec3) -> Vec3 {
+    (v - unit * unit.dot(&v)).normalize()
 }
 
 /// A right-handed frame about an axis, its first axis as near to `x` as can be.

@@ -43,9 +43,13 @@ impl Isometry {
         Vec3::new(row(0), row(1), row(2))
     }
 
+    fn map(&self) -> Matrix3<f64> {
+        Matrix3::from_fn(|r, c| self.rows[r][c])
+    }
+
     /// The same on points that an affinity has brought back to the model.
     fn restored(&self, affinity: &Affinity) -> Self {
-        let map = Matrix3::from_fn(|r, c| self.rows[r][c]);
+        let map = self.map();
         let centre = affinity.centre;
         let shift = affinity.restore_vector(self.shift.into()) + (centre - map * centre);
         Self::new(&map, shift)
@@ -72,6 +76,11 @@ impl Orbits {
             .map(|o| o.restored(affinity))
             .collect();
         self
+    }
+
+    /// Whether images in normalised coordinates are images in the model, too.
+    pub(crate) fn are_kept(&self, affinity: &Affinity) -> bool {
+        self.operations.iter().all(|o| affinity.keeps(&o.map()))
     }
 
     /// Puts images exactly where the operations have them.

@@ -248,6 +248,30 @@ fn a_coarse_sphere_has_every_order_that_is_asked_for() {
     }
 }
 
+/// A shallow roof with five lobes, turned and leaning by two angles, with coordinates as a file has
+/// them. Its heights are raised before anything is computed.
+fn star(turned: f64, leaning: f64) -> TriangleSurface {
+    let motion = nalgebra::Rotation3::from_axis_angle(&Vec3::x_axis(), leaning)
+        * nalgebra::Rotation3::from_axis_angle(&Vec3::z_axis(), turned);
+    let disc = surface("elliptic-paraboloid", &[("a", 1.2), ("b", 1.2)], 0.0);
+    mapped(&disc, |p| {
+        let lobes = 1.0 + 0.25 * (5.0 * p.y.atan2(p.x)).cos();
+        let q = motion * Vec3::new(lobes * p.x, lobes * p.y, -0.05 * p.z);
+        q.map(|x| (x * 1e7).round() / 1e7)
+    })
+}
+
+#[test]
+fn images_are_planar_where_heights_were_raised() {
+    for leaning in [0.0, 1e-3, 0.1] {
+        for symmetry in [Symmetry::Mirror, Symmetry::Turns(5)] {
+            let run = meshed(&star(0.3, leaning), 60, symmetry).unwrap();
+            let planarity = measure(&run.mesh).planarity.max;
+            assert!(planarity <= 1e-12, "{leaning} {symmetry:?}: {planarity}");
+        }
+    }
+}
+
 #[test]
 fn surfaces_without_symmetry_are_meshed_as_without_the_option() {
     let free = surface("b-spline", &[], 0.0);
