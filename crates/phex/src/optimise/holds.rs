@@ -7,6 +7,7 @@
 //! | held | `T` |
 //! |---|---|
 //! | at a point | `0` |
+//! | on a line | `d d^T` |
 //! | in a plane | `I - n n^T` |
 //! | on a curve, or the boundary | `t t^T` |
 
@@ -23,6 +24,8 @@ use std::collections::{BTreeMap, BTreeSet};
 pub(super) enum Hold {
     /// It does not move.
     At(Vec3),
+    /// It stays on the line through a point with a unit direction.
+    OnLine { point: Vec3, direction: Vec3 },
     /// It stays in the plane through a point with a unit normal.
     InPlane { point: Vec3, normal: Vec3 },
     /// It slides on the curves.
@@ -84,6 +87,7 @@ impl Holds {
     fn freedom(&self, hold: &Hold, p: Vec3) -> Matrix3<f64> {
         match hold {
             Hold::At(_) => Matrix3::zeros(),
+            Hold::OnLine { direction, .. } => direction * direction.transpose(),
             Hold::InPlane { normal, .. } => Matrix3::identity() - normal * normal.transpose(),
             Hold::OnCurve => along(self.curves.as_ref(), p),
             Hold::OnRim => along(self.rim.as_ref(), p),
@@ -112,6 +116,7 @@ impl Holds {
     fn place(&self, hold: &Hold, p: Vec3) -> Vec3 {
         match hold {
             Hold::At(q) => *q,
+            Hold::OnLine { point, direction } => point + direction * direction.dot(&(p - point)),
             Hold::InPlane { point, normal } => in_plane(p, *point, *normal),
             Hold::OnCurve => on(self.curves.as_ref(), p),
             Hold::OnRim => on(self.rim.as_ref(), p),

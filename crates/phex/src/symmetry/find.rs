@@ -181,7 +181,8 @@ impl<'a> AxisSearch<'a> {
         }
     }
 
-    /// Axes of inertia, and the coordinate axes where there are none.
+    /// Axes of inertia, and the coordinate axes where there are none; of a flat surface that across
+    /// it.
     fn axes(&self) -> Vec<Vec3> {
         let mut moments = Matrix3::zeros();
         for (p, a) in &self.middles {
@@ -196,7 +197,8 @@ impl<'a> AxisSearch<'a> {
                 axes.push(axis);
             }
         }
-        axes
+        let across = axes.iter().copied().find(|axis| self.lies_across(*axis));
+        across.map_or(axes, |axis| vec![axis])
     }
 
     /// The largest order of a rotation about the axis of a frame that is within a tolerance.
@@ -247,7 +249,7 @@ impl<'a> AxisSearch<'a> {
                 (about.frame, about.mirrors) = (mirrored, true);
             }
         }
-        about.level = self.holds(&about.frame, &reflection(Vec3::z()));
+        about.level = self.holds(&about.frame, &reflection(Vec3::z())) && !self.lies_across(axis);
         self.refine(&mut about);
         about
     }
@@ -272,6 +274,14 @@ impl<'a> AxisSearch<'a> {
             .min_by(|a, b| a.0.total_cmp(&b.0))?;
         self.holds(&best.1, &reflection(Vec3::y()))
             .then_some(best.1)
+    }
+
+    /// Whether the surface lies in the plane across an axis, which then is no mirror plane: nothing
+    /// lies on its sides.
+    fn lies_across(&self, axis: Vec3) -> bool {
+        let off = |p: &Vec3| axis.dot(&(p - self.centroid)).abs();
+        let mut places = self.surface.positions().iter();
+        places.all(|p| off(p) <= self.tolerance)
     }
 
     /// Moments of the angle about the axis, each for the weight with which it is strongest; they

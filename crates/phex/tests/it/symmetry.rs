@@ -273,6 +273,15 @@ fn images_are_planar_where_heights_were_raised() {
 }
 
 #[test]
+fn the_plane_of_a_flat_surface_is_no_mirror_plane() {
+    let plate = mapped(&surface("plane", &[], 0.0), |p| {
+        Vec3::new(1.5 * p.x, p.y, 0.0)
+    });
+    let run = meshed(&plate, 60, Symmetry::Turns(2)).unwrap();
+    check(&run, "C2v", 4);
+}
+
+#[test]
 fn surfaces_without_symmetry_are_meshed_as_without_the_option() {
     let free = surface("b-spline", &[], 0.0);
     let [plain, auto] = [Symmetry::None, Symmetry::Auto].map(|s| meshed(&free, 60, s).unwrap());

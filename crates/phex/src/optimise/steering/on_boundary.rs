@@ -20,7 +20,9 @@ use crate::optimise::{
     Target, check_mesh, finished as finished_mesh, mesh_at,
 };
 use crate::progress::Progress;
-use phex_mesh::{BoundaryCurve, FaceId, FlatFace, HexMesh, Vec3, VertexId, small_rim_faces};
+use phex_mesh::{
+    BoundaryCurve, FaceId, FacePlane, FlatFace, HexMesh, Vec3, VertexId, small_rim_faces,
+};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Rings of panels from the boundary on that give way: the cost follows the boundary.
@@ -33,6 +35,8 @@ const MOST_MOVE: f64 = 0.35;
 const MOST_DRIFT: f64 = 0.04;
 /// Mean edges within which a vertex of the boundary is put on a corner of the curve.
 const CORNER_REACH: f64 = 0.3;
+/// Mean edges within which a vertex of the boundary lies over a corner of the curve.
+const OVER_CORNER: f64 = 0.05;
 /// Panels are let go that are farther from planar than this share of the worst one.
 const WORST: f64 = 0.3;
 /// Share of the clearance that must be left.
@@ -150,26 +154,43 @@ pub fn steer_on_boundary(
     crate::optimise::steer(mesh, Some(target), steering, options, progress)
 }
 
-/// Vertices of the boundary that lie on the curves, and those at corners.
+/// Vertices of the boundary that lie on the curves, and those at corners or over them: a panel that
+/// was given a corner has it in its own plane.
 pub(in crate::optimise) fn already_there(
     mesh: &HexMesh,
     hold: &BoundaryHold,
 ) -> BTreeMap<u32, Hold> {
     let topology = mesh.topology();
     let near = ON_IT * mesh.diagonal();
+    let over = OVER_CORNER * mesh.mean_edge();
     let hold_of = |v: VertexId| {
         let p = mesh.position(v);
-        let at_corner = hold.corners.iter().any(|c| (c - p).norm() < near);
-        let on_curve = (hold.curves.closest_point(p).position - p).norm() < near;
-        match (at_corner, on_curve) {
-            (true, _) => Some(Hold::At(p)),
-            (_, true) => Some(Hold::OnRim),
+        let corner = hold.corners.iter().map(|c| (c - p).norm());
+        let off = [
+            corner.fold(f64::INFINITY, f64::min),
+            (hold.curves.closest_point(p).position - p).norm(),
+        ];
+        match off {
+            [corner, _] if corner < near => Some(Hold::At(p)),
+            [_, curve] if curve < near => Some(Hold::OnRim),
+            [corner, _] if corner < over => Some(across_panels(mesh, v)),
             _ => None,
         }
     };
     let rim = topology.boundary_vertices();
     rim.filter_map(|v| Some((v.index() as u32, hold_of(v)?)))
         .collect()
+}
+
+/// The line through a vertex across the panels there.
+fn across_panels(mesh: &HexMesh, v: VertexId) -> Hold {
+    let point = mesh.position(v);
+    let faces = mesh.topology().faces_at(v);
+    let up: Vec3 = faces.map(|f| FacePlane::of(mesh, f).normal).sum();
+    match up.try_normalize(f64::MIN_POSITIVE) {
+        Some(direction) => Hold::OnLine { point, direction },
+        None => Hold::At(point),
+    }
 }
 
 /// Lets go of vertices that slide, or if there are none of them, of corners; whether there was one.
