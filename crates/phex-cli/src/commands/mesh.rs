@@ -11,8 +11,10 @@ use crate::output::{check_writable, write_mesh};
 use crate::progress::{Reporter, check_interruption, keep_best, take_interruption};
 use crate::summary;
 use crate::verdict::written;
+use anyhow::Context;
+use phex::report::OutputFile;
 use phex_job::{
-    Content, Given, JobResult, LAYOUT_ALONE, LastStage, MeshFile, MeshJob, MeshSettings, TimeLimit,
+    Content, Given, JobResult, LAYOUT_ALONE, LastStage, MeshFile, MeshJob, MeshSettings, TimeLimit, sha256,
 };
 use std::path::Path;
 
@@ -72,7 +74,11 @@ fn deliver(command: &MeshCommand, mut made: JobResult) -> Result<Exit, Failure> 
     let mut report = made.report;
     if let (Some(path), Some(smooth)) = (&command.write_target, &made.smooth) {
         write_mesh(path, &smooth.to_soup(), made.limits.unit)?;
-        report.outputs.push(written("smooth_target", path));
+        let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+        report.outputs.push(OutputFile {
+            sha256: Some(sha256(bytes)),
+            ..written("smooth_target", path)
+        });
     }
     let before = match command.until {
         Some(LastStage::Layout) => {
