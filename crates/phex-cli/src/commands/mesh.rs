@@ -14,7 +14,8 @@ use crate::verdict::written;
 use anyhow::Context;
 use phex::report::OutputFile;
 use phex_job::{
-    Content, Given, JobResult, LAYOUT_ALONE, LastStage, MeshFile, MeshJob, MeshSettings, TimeLimit, sha256,
+    Content, Given, JobResult, LAYOUT_ALONE, LastStage, MeshFile, MeshJob, MeshSettings, TimeLimit,
+    sha256,
 };
 use std::path::Path;
 
@@ -52,10 +53,10 @@ fn job(
     let parts = file.surfaces()?;
     let given = Given::read(&settings)?;
     let start = command.start.as_deref().map(MeshFile::read).transpose()?;
-    let start = start.map(|file| file.polygon_mesh()).transpose()?;
+    let start = start.map(|file| Ok::<_, Failure>((file.polygon_mesh()?.0, file.record)));
     Ok(MeshJob {
         given,
-        start: start.map(|(mesh, _)| mesh),
+        start: start.transpose()?,
         keep_best: command.keep_best,
         time_limit,
         until: command.until,
