@@ -205,7 +205,12 @@ impl NumberLine {
 /// The numbers of a line, separated by blanks or by commas: a line with both would be read another
 /// way by those who write decimal commas.
 fn numbers_of(data: &str) -> Result<Vec<f64>, String> {
+    // Commas at the end of a line move no number.
+    let data = data.trim_end_matches(|c: char| c == ',' || c.is_whitespace());
     let fields: Vec<&str> = data.split(',').map(str::trim).collect();
+    if fields.len() > 1 && fields.contains(&"") {
+        return Err("no number stands before a comma".to_owned());
+    }
     let has_both = fields.len() > 1 && fields.iter().any(|f| f.contains(char::is_whitespace));
     if has_both {
         return Err(
@@ -349,11 +354,6 @@ mod tests {
             let told = numbers_of(text).unwrap_err();
             assert!(told.contains("decimals have a point"), "{text}: {told}");
         }
-    }
-
-    #[test]
-    fn what_a_file_holds_beside_faces_is_told() {
-        let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\nl 1 2 3\n";
         for text in ["1,2,,5", ",2,3", "1, ,3"] {
             let told = numbers_of(text).unwrap_err();
             assert_eq!(told, "no number stands before a comma", "{text}");
@@ -379,6 +379,11 @@ mod tests {
         assert_eq!(read(continued), plain);
         std::fs::write(&path, "\u{feff}1 2\n").unwrap();
         assert_eq!(read_numbers(&path).unwrap()[0].numbers, [1.0, 2.0]);
+    }
+
+    #[test]
+    fn what_a_file_holds_beside_faces_is_told() {
+        let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\nl 1 2 3\n";
         let file = MeshFile::from_bytes(Path::new("a.obj"), text.as_bytes()).unwrap();
         let told = "1 polyline was left out: panels are made of faces alone";
         assert_eq!(file.surfaces().unwrap().notes.sentences(), [told]);
