@@ -506,6 +506,8 @@ fn a_run_may_end_after_the_layout() {
     shop.succeed("mesh wave.obj -o wall.obj -n 60 --until layout --method brick-wall");
     shop.phex("mesh wave.obj -o no.obj --until layout --method tangent-planes")
         .refuses(4, &["only `lattice` and `brick-wall`"]);
+    shop.phex("mesh wave.obj -o no.obj -n 60 --until layout --method best")
+        .refuses(4, &["`method best` has no effect with `until layout`"]);
     shop.phex(
         "mesh wave.obj -o no.obj -n 60 --until layout --repeat 5mm --max-edge 2 --min-angle 30",
     )
