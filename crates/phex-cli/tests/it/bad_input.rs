@@ -671,6 +671,8 @@ fn options_without_effect_are_refused() {
         assert_eq!(shop.phex(arguments).code, Some(2), "{arguments}");
     }
 }
+        "offset a.obj -o out --max-distance",
+        "render a.obj -o a.png --elevation 200",
 
 #[test]
 fn points_that_are_nowhere_near_the_surface() {
