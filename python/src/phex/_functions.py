@@ -799,10 +799,14 @@ def network(
 
 def convert(source: Any, output: Any, *, unit: Optional[str] = None) -> None:
     """Reads a file and writes it in the format of the other one's extension, as ``phex convert``.
-    ``unit`` is that of the coordinates, in metres if it is not given: GLB and 3MF hold metres."""
+    ``unit`` is that of the coordinates, in metres if it is not given: GLB and 3MF hold metres, and
+    3DM names it; files of other formats have none."""
     read, written = path_text(source, "source"), path_text(output, "output")
     _check_format("output", written)
     check_writable({"output": written}, [read])
+    if unit is not None and not written.lower().endswith((".glb", ".3mf", ".3dm")):
+        told = "whose coordinates stay as they are: leave it out"
+        raise InputError(f"unit: {unit} has no effect on {written}, {told}")
     Mesh.read(read).save(written, unit=unit)
 
 
