@@ -671,12 +671,12 @@ fn options_without_effect_are_refused() {
         "dupin a.obj -o c.obj --panels a.obj --size 0.3",
         "shape sphere -o s.obj --seed 3",
         "offset a.obj -o out --max-distance --solids",
+        "offset a.obj -o out --max-distance",
+        "render a.obj -o a.png --elevation 200",
     ] {
         assert_eq!(shop.phex(arguments).code, Some(2), "{arguments}");
     }
 }
-        "offset a.obj -o out --max-distance",
-        "render a.obj -o a.png --elevation 200",
 
 #[test]
 fn points_that_are_nowhere_near_the_surface() {
