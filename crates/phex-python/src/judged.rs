@@ -323,13 +323,17 @@ pub fn planarized(
     progress: &dyn Progress,
 ) -> Result<Answer, JobError> {
     let (start, surface) = (inputs.panels()?, inputs.surface()?);
-    let limits = request.limits.limits(surface.is_some())?;
     let typed = MeshSettings {
+        unit: request.limits.unit,
         steering: request.steering,
         ..MeshSettings::default()
     };
     let settings = with_job_file(typed, request.config)?;
     settings.steering.check_effects()?;
+    let limits = TypedLimits {
+        unit: settings.unit(),
+        ..request.limits.limits(surface.is_some())?
+    };
     let mut given = Given {
         steering: settings.steering.read()?,
         ..Given::default()

@@ -110,6 +110,13 @@ fn points_are_met_to_the_last_digit_and_an_earlier_mesh_is_taken_up() {
     shop.succeed("planarize held.obj -o flat.obj --surface hill.obj --refit --config job.toml");
     let flat = read(&shop, "flat.obj");
     assert_eq!((flat[0], flat[7]), (held[0], held[7]));
+    shop.write("unit.toml", "unit = 'mm'\n");
+    for (typed, unit) in [("", "mm"), (" --unit ft", "ft")] {
+        shop.succeed(&format!(
+            "planarize held.obj -o flat.obj --config unit.toml --report flat.json{typed}"
+        ));
+        assert_eq!(shop.json("flat.json")["unit"], unit);
+    }
     shop.phex("mesh hill.obj -o no.obj -n 60 --fix ids.txt")
         .refuses(4, &["--fix", "no numbers"]);
 }
