@@ -408,8 +408,9 @@ def check(
     with a report; an invalid one is no error.
 
     ``report_of`` is an earlier run, a :class:`phex.Panelling` or the path of its report: limits, the
-    unit and surfaces that are not given are those of that run. ``limits`` is a job file, whose
-    limits and unit come before those of the run.
+    unit and surfaces that are not given are those of that run. Reports that Python wrote name no
+    smooth surface: with their path a mesh is judged by the facets alone. ``limits`` is a job file,
+    whose limits and unit come before those of the run.
 
     >>> import phex
     >>> phex.check(([[0, 0, 0], [1, 0, 0], [1, 1, 0.5], [0, 1, 0]], [[0, 1, 2, 3]])).verdict
@@ -803,10 +804,10 @@ def convert(source: Any, output: Any, *, unit: Optional[str] = None) -> None:
     3DM names it; files of other formats have none."""
     read, written = path_text(source, "source"), path_text(output, "output")
     _check_format("output", written)
-    check_writable({"output": written}, [read])
     if unit is not None and not written.lower().endswith((".glb", ".3mf", ".3dm")):
         told = "whose coordinates stay as they are: leave it out"
         raise InputError(f"unit: {unit} has no effect on {written}, {told}")
+    check_writable({"output": written}, [read])
     Mesh.read(read).save(written, unit=unit)
 
 
