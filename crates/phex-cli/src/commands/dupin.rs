@@ -6,8 +6,9 @@ use crate::dual_arguments::DupinCommand;
 use crate::exit::{Exit, Failure};
 use crate::output::{check_writable, given, write_text};
 use crate::progress::Reporter;
-use phex::curvature::{CurvatureOptions, curvature};
-use phex::curvature::{Indicatrix, inscribing_curves};
+use phex::curvature::{
+    CurvatureOptions, Indicatrix, inscribing_curves, principal, tensors_at_points,
+};
 use phex::directions::Curve;
 use phex::layout::CELL;
 use phex_job::{Content, MeshFile};
@@ -52,9 +53,13 @@ pub fn run(command: &DupinCommand) -> Result<Exit, Failure> {
     };
     let spacing = (surface.area() / (CELL * points.len() as f64)).sqrt();
     let length = spacing.min(0.1 * surface.diagonal());
-    let curvature = curvature(&surface, length, &CurvatureOptions::default());
-    let at = |p: &SurfacePoint| Indicatrix::at(p, &surface, &curvature);
-    let indicatrices: Vec<Indicatrix> = points.iter().map(at).collect();
+    let tensors = tensors_at_points(&surface, &points, length, &CurvatureOptions::default());
+    let at = |(p, tensor): (&SurfacePoint, &_)| Indicatrix {
+        point: p.position,
+        normal: p.normal,
+        principal: principal(p.normal, tensor),
+    };
+    let indicatrices: Vec<Indicatrix> = points.iter().zip(&tensors).map(at).collect();
     let curves: Vec<Vec<Vec<Vec3>>> = if panels.is_empty() {
         indicatrices
             .iter()
