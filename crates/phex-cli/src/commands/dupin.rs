@@ -13,7 +13,8 @@ use phex::directions::Curve;
 use phex::layout::CELL;
 use phex_job::{Content, MeshFile};
 use phex_mesh::{FaceId, SurfacePoint, Topology, TriangleSurface, Vec3, VertexId};
-use std::collections::BTreeSet;
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -113,19 +114,30 @@ fn apart(t: &Topology, among: &[FaceId]) -> Vec<FaceId> {
         let all = corners.flat_map(|v| t.faces_at(*v));
         all.filter(|g| *g != f).collect()
     };
-    let mut open: BTreeSet<FaceId> = among.iter().copied().collect();
+    // How many panels round each open one may not be taken; the order is that of the choice.
+    let mut closed: BTreeMap<FaceId, usize> = among.iter().map(|f| (*f, 0)).collect();
+    let shut = |f: FaceId| around(f).iter().filter(|g| !closed.contains_key(g)).count();
+    let counts: Vec<(FaceId, usize)> = among.iter().map(|f| (*f, shut(*f))).collect();
+    closed.extend(counts);
+    let mut order: BTreeSet<(usize, Reverse<FaceId>)> = (closed.iter())
+        .map(|(f, count)| (*count, Reverse(*f)))
+        .collect();
     let mut taken = Vec::new();
-    let closed =
-        |open: &BTreeSet<FaceId>, f: FaceId| around(f).iter().filter(|g| !open.contains(g)).count();
-    while let Some(&next) = open
-        .iter()
-        .max_by_key(|f| (closed(&open, **f), std::cmp::Reverse(**f)))
-    {
+    while let Some(&(_, Reverse(next))) = order.last() {
         taken.push(next);
-        open.remove(&next);
-        around(next).iter().for_each(|g| {
-            open.remove(g);
-        });
+        for shut in around(next).into_iter().chain([next]) {
+            let Some(count) = closed.remove(&shut) else {
+                continue;
+            };
+            order.remove(&(count, Reverse(shut)));
+            for f in around(shut) {
+                if let Some(count) = closed.get_mut(&f) {
+                    order.remove(&(*count, Reverse(f)));
+                    *count += 1;
+                    order.insert((*count, Reverse(f)));
+                }
+            }
+        }
     }
     taken
 }
@@ -200,4 +212,34 @@ fn table(indicatrices: &[Indicatrix], path: &Path) -> String {
         path.display(),
         indicatrices.len()
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use phex::classical::goldberg;
+
+    /// The rule as it is told, with everything counted anew for each panel that is taken.
+    #[test]
+    fn panels_apart_are_those_of_the_rule() {
+        let mesh = goldberg(5, 2).unwrap().mesh;
+        let t = mesh.topology();
+        let touch = |f: FaceId, g: FaceId| {
+            let mut corners = t.face_vertices(f).iter();
+            f != g && corners.any(|v| t.face_vertices(g).contains(v))
+        };
+        let hexagons: Vec<FaceId> = t.faces().filter(|f| t.valence(*f) == 6).collect();
+        let (mut open, mut expected) = (hexagons.clone(), Vec::new());
+        let closed = |open: &[FaceId], f: FaceId| {
+            let around = t.faces().filter(|g| touch(f, *g));
+            around.filter(|g| !open.contains(g)).count()
+        };
+        while let Some(next) =
+            (open.iter().copied()).max_by_key(|f| (closed(&open, *f), Reverse(*f)))
+        {
+            expected.push(next);
+            open.retain(|f| *f != next && !touch(next, *f));
+        }
+        assert_eq!(apart(t, &hexagons), expected);
+    }
 }
