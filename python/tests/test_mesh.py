@@ -158,8 +158,10 @@ def test_offsets(ball):
     for k, face in enumerate(inner.faces):
         gap = (ball.vertices[ball.faces[k]] - inner.vertices[face]) @ normals[k]
         assert gap == pytest.approx(0.05, abs=0.01)
-    with pytest.raises(phex.NoValidResult, match="largest safe distance"):
+    with pytest.raises(phex.NoValidResult, match="largest safe distance") as refused:
         ball.offset(-5.0)
+    largest = re.search(r"side is (-[0-9.]+) ", str(refused.value)).group(1)
+    assert len(largest.lstrip("-0.")) <= 6 and ball.offset(float(largest)).layers
     with pytest.raises(phex.InputError, match="touching the unit sphere"):
         phex.offset(ball, 0.1, kind="edge")
 

@@ -6,8 +6,8 @@ use crate::judged::stopped;
 use phex::directions::{Curve, NetworkFamily};
 use phex::offset::{
     GaussImage, OffsetError, OffsetKind, OffsetOptions, PanelSolid, SafeDistances, beam_axes,
-    edge_gauss_image, face_gauss_image, joined, layer, node_axes, panel_solids, safe_distances,
-    vertex_gauss_image,
+    edge_gauss_image, face_gauss_image, joined, layer, node_axes, panel_solids, rounded_down,
+    safe_distances, vertex_gauss_image,
 };
 use phex::{MeshOptions, PanelSize, Progress};
 use phex_job::{JobError, Quantity, TypedPanelSize, Unit, chain, check_distances};
@@ -148,8 +148,8 @@ fn image(
 fn too_far(cause: &str, distance: f64, safe: impl FnOnce() -> SafeDistances) -> JobError {
     let safe = safe();
     let most = match distance < 0.0 {
-        true => -safe.inward.distance,
-        false => safe.outward.distance,
+        true => -rounded_down(safe.inward.distance),
+        false => rounded_down(safe.outward.distance),
     };
     JobError::NoResult(format!(
         "{cause}; the largest safe distance on that side is {most} (model units)"
