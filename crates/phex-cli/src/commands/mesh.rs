@@ -9,7 +9,7 @@ use crate::html::Shown;
 use crate::method_summary::{of_method, of_portfolio};
 use crate::output::{check_writable, write_mesh};
 use crate::progress::{Reporter, check_interruption, keep_best, take_interruption};
-use crate::summary;
+use crate::summary::{self, SummaryTable};
 use crate::verdict::written;
 use anyhow::Context;
 use phex::report::OutputFile;
@@ -84,7 +84,9 @@ fn deliver(command: &MeshCommand, mut made: JobResult) -> Result<Exit, Failure> 
     let before = match command.until {
         Some(LastStage::Layout) => {
             let count = made.mesh.topology().n_faces();
-            format!("layout     {count} panels, {LAYOUT_ALONE}\n")
+            let mut table = SummaryTable::default();
+            table.row("layout", format!("{count} panels, {LAYOUT_ALONE}"));
+            table.into_text()
         }
         None => methods.collect(),
     };

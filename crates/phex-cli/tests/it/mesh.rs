@@ -494,6 +494,8 @@ fn a_run_may_end_after_the_layout() {
     let shop = Workshop::new();
     shop.succeed("shape wave -o wave.obj --triangles 2000");
     let told = shop.succeed("mesh wave.obj -o flat.obj -n 60 --until layout --report run.json");
+    let row = format!("{:<12} ", "layout");
+    assert!(told.stdout.contains(&row), "{}", told.stdout);
     assert!(
         told.stdout.contains("neither planar nor checked"),
         "{}",
@@ -504,10 +506,10 @@ fn a_run_may_end_after_the_layout() {
     assert_ne!(report["verdict"], "pass");
     shop.phex("check flat.obj").refuses(3, &[]);
     shop.succeed("mesh wave.obj -o wall.obj -n 60 --until layout --method brick-wall");
-    shop.phex("mesh wave.obj -o no.obj --until layout --method tangent-planes")
-        .refuses(4, &["only `lattice` and `brick-wall`"]);
     shop.phex("mesh wave.obj -o no.obj -n 60 --until layout --method best")
         .refuses(4, &["`method best` has no effect with `until layout`"]);
+    shop.phex("mesh wave.obj -o no.obj --until layout --method tangent-planes")
+        .refuses(4, &["only `lattice` and `brick-wall`"]);
     shop.phex(
         "mesh wave.obj -o no.obj -n 60 --until layout --repeat 5mm --max-edge 2 --min-angle 30",
     )
