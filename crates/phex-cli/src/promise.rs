@@ -96,7 +96,8 @@ impl Promise {
         self.command == "mesh"
     }
 
-    /// A file of the report, from where the report lies or from here: the first that has not changed.
+    /// A file of the report, from where the report lies or from here: the first that has not
+    /// changed.
     fn found(&self, wanted: &PromisedFile) -> Result<Option<MeshFile>, Failure> {
         let places = [self.folder.join(&wanted.path), wanted.path.clone()];
         let mut changed = None;

@@ -459,7 +459,7 @@ fn the_files_of_a_report_are_looked_for_where_it_lies() {
         line.unwrap().to_owned()
     };
     assert_eq!(deviation(&there.stdout), deviation(&here));
-    // The report lies in a folder below the one where the run was made, and another surface beside it.
+    // The report lies below the folder of the run, and another surface beside it.
     shop.write("b/run.json", shop.read("run.json"));
     shop.succeed("check a.obj --report-of b/run.json");
     shop.write("smooth.obj", honeycomb(2, 2, |_, p| p));
