@@ -158,8 +158,10 @@ def test_offsets(ball):
     for k, face in enumerate(inner.faces):
         gap = (ball.vertices[ball.faces[k]] - inner.vertices[face]) @ normals[k]
         assert gap == pytest.approx(0.05, abs=0.01)
-    with pytest.raises(phex.NoValidResult, match="largest safe distance"):
+    with pytest.raises(phex.NoValidResult, match="largest safe distance") as refused:
         ball.offset(-5.0)
+    largest = re.search(r"side is (-[0-9.]+) ", str(refused.value)).group(1)
+    assert len(largest.lstrip("-0.")) <= 6 and ball.offset(float(largest)).layers
     with pytest.raises(phex.InputError, match="touching the unit sphere"):
         phex.offset(ball, 0.1, kind="edge")
 
@@ -225,7 +227,7 @@ def test_a_warm_start_moves_what_it_is_told(ball, sphere):
     assert len(again) == len(ball)
 
 
-def test_a_mesh_is_judged_again_as_its_run_was(roof, program, tmp_path):
+def test_a_mesh_is_judged_again_as_its_run_was(roof, program, monkeypatch):
     roof.save("roof.obj")
     words = [program, "mesh", "roof.obj", "-n", "60", "--boundary", "snap", "--max-deviation", "3%"]
     subprocess.run([*words, "-o", "panels.obj", "--report", "run.json", "-q"], check=False)
@@ -233,6 +235,12 @@ def test_a_mesh_is_judged_again_as_its_run_was(roof, program, tmp_path):
     limits = json.loads(pathlib.Path("run.json").read_text())["limits"]
     assert again.report["limits"] == limits and again.report["limits"]["max_deviation"] == "3%"
     assert again.report["deviation_facets"] is not None
+    pathlib.Path("elsewhere").mkdir()
+    with monkeypatch.context() as moved:
+        moved.chdir("elsewhere")
+        pathlib.Path("roof.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        same = phex.check("../panels.obj", report_of="../run.json")
+    assert same.report["deviation_facets"] == again.report["deviation_facets"]
     tighter = phex.check("panels.obj", report_of="run.json", max_deviation="0.0001%")
     assert "deviation" in tighter.offenders and again.verdict != tighter.verdict
     made = phex.mesh("roof.obj", panels=60, boundary="snap", max_deviation="3%", keep_invalid=True)

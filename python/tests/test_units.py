@@ -38,6 +38,12 @@ def test_files_in_metres_hold_metres(program, small, extension):
         assert pathlib.Path(f"{name}.{extension}").read_bytes() == theirs, name
 
 
+def test_a_unit_without_effect_is_refused(small):
+    small.save("a.obj")
+    with pytest.raises(phex.InputError, match="unit: mm has no effect on a.ply"):
+        phex.convert("a.obj", "a.ply", unit="mm")
+
+
 def test_outputs_and_layers_are_in_the_unit_of_the_run(sphere, small):
     there = phex.Surface(5000.0 * sphere.vertices, sphere.faces)
     how = {"panels": 32, "max_deviation": "5%", "unit": "mm"}

@@ -305,9 +305,9 @@ pub struct ConvertCommand {
     /// File to write; the extension decides the format
     #[arg(value_name = "OUT")]
     pub output: PathBuf,
-    /// Unit of the coordinates: GLB and 3MF are written in metres
-    #[arg(long, value_enum, default_value_t)]
-    pub unit: Unit,
+    /// Unit of the coordinates: GLB and 3MF are written in metres [default: m]
+    #[arg(long, value_enum)]
+    pub unit: Option<Unit>,
     /// Progress and messages.
     #[command(flatten)]
     pub talk: Talk,

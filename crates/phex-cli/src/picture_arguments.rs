@@ -34,10 +34,10 @@ pub struct RenderCommand {
     pub view: ViewFrom,
     /// Direction from which it is seen instead, degrees counter-clockwise from +x (-60 for `iso`:
     /// from the front, a little from the right)
-    #[arg(long, value_name = "DEG", value_parser = degrees, allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEG", value_parser = degrees::<360>, allow_hyphen_values = true)]
     pub azimuth: Option<f64>,
     /// Height of the eye above the horizon instead, degrees (-90 to 90)
-    #[arg(long, value_name = "DEG", value_parser = degrees, allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEG", value_parser = degrees::<90>, allow_hyphen_values = true)]
     pub elevation: Option<f64>,
     /// Surface that the mesh stands for, for deviation and curvature
     #[arg(long, value_name = "SURFACE")]
@@ -144,10 +144,10 @@ fn range(text: &str) -> Result<Range, String> {
     }
 }
 
-fn degrees(text: &str) -> Result<f64, String> {
+fn degrees<const MOST: u16>(text: &str) -> Result<f64, String> {
     let angle = text.trim().parse().ok();
-    let angle = angle.filter(|a: &f64| a.abs() <= 360.0);
-    angle.ok_or_else(|| "write an angle in degrees, from -360 to 360".to_owned())
+    let angle = angle.filter(|a: &f64| a.abs() <= f64::from(MOST));
+    angle.ok_or_else(|| format!("write an angle in degrees, from -{MOST} to {MOST}"))
 }
 
 fn map_parser() -> impl TypedValueParser<Value = Map> {
@@ -179,7 +179,13 @@ mod tests {
         for wrong in ["1", "2,1", "1,1", "nan,2", "0,inf", "a,b"] {
             assert!(range(wrong).is_err(), "{wrong}");
         }
-        assert!(degrees("-60").is_ok() && degrees("nan").is_err() && degrees("400").is_err());
+        let angle = degrees::<360>;
+        assert!(angle("-60").is_ok() && angle("nan").is_err() && angle("400").is_err());
+        let height = degrees::<90>;
+        assert!(
+            height("-90").is_ok() && height("90.5").is_err(),
+            "no eye is as high"
+        );
     }
 
     #[test]

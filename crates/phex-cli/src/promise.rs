@@ -13,23 +13,25 @@ use std::path::{Path, PathBuf};
 pub struct Promise {
     command: String,
     limits: Option<TypedLimits>,
-    inputs: Vec<Read>,
-    outputs: Vec<PromisedFile>,
+    inputs: Vec<PromisedFile>,
+    outputs: Vec<PromisedOutput>,
     /// Where the report lies.
     #[serde(skip)]
     folder: PathBuf,
 }
 
 #[derive(Debug, Deserialize)]
-struct Read {
+struct PromisedFile {
     path: PathBuf,
-    sha256: String,
+    /// Reports of earlier versions do not tell that of what was written.
+    sha256: Option<String>,
 }
 
 #[derive(Debug, Deserialize)]
-struct PromisedFile {
+struct PromisedOutput {
     content: String,
-    path: PathBuf,
+    #[serde(flatten)]
+    file: PromisedFile,
 }
 
 impl Promise {
@@ -70,19 +72,12 @@ impl Promise {
         let Some(read) = self.inputs.get(place) else {
             return Ok(None);
         };
-        let path = self.found(&read.path).ok_or_else(|| {
+        let file = self.found(read)?.ok_or_else(|| {
             let path = read.path.display();
             Failure::input(format!(
                 "{path}: the surface of the report is not there; give it with --surface"
             ))
         })?;
-        let file = MeshFile::read(&path)?;
-        if file.record.sha256 != read.sha256 {
-            let path = path.display();
-            return Err(Failure::input(format!(
-                "{path}: has changed since the report was written; give the surface with --surface"
-            )));
-        }
         Ok(Some(file))
     }
 
@@ -90,11 +85,10 @@ impl Promise {
     /// more.
     ///
     /// # Errors
-    /// If the file can't be used.
+    /// If the file can't be used, or is another one.
     pub fn smooth(&self) -> Result<Option<MeshFile>, Failure> {
         let smooth = self.outputs.iter().find(|o| o.content == "smooth_target");
-        let path = smooth.and_then(|o| self.found(&o.path));
-        Ok(path.as_deref().map(MeshFile::read).transpose()?)
+        Ok(smooth.map(|o| self.found(&o.file)).transpose()?.flatten())
     }
 
     /// Whether the run judged its mesh by a smooth surface.
@@ -102,9 +96,24 @@ impl Promise {
         self.command == "mesh"
     }
 
-    /// A file of the report: where it says, or from where the report lies.
-    fn found(&self, path: &Path) -> Option<PathBuf> {
-        let places = [path.to_path_buf(), self.folder.join(path)];
-        places.into_iter().find(|p| p.is_file())
+    /// A file of the report, from where the report lies or from here: the first that has not
+    /// changed.
+    fn found(&self, wanted: &PromisedFile) -> Result<Option<MeshFile>, Failure> {
+        let places = [self.folder.join(&wanted.path), wanted.path.clone()];
+        let mut changed = None;
+        for place in places.into_iter().filter(|p| p.is_file()) {
+            let file = MeshFile::read(&place)?;
+            let same = wanted.sha256.as_ref() == Some(&file.record.sha256);
+            if same || wanted.sha256.is_none() {
+                return Ok(Some(file));
+            }
+            changed.get_or_insert(place);
+        }
+        changed.map_or(Ok(None), |place| {
+            let path = place.display();
+            Err(Failure::input(format!(
+                "{path}: has changed since the report was written; give the surface with --surface"
+            )))
+        })
     }
 }

@@ -73,7 +73,7 @@ pub struct ToleranceArguments {
         help_heading = "Tolerances"
     )]
     pub max_deviation: Option<Quantity>,
-    /// Unit of the model's coordinates [default: that of the job or run whose limits hold, or m]
+    /// Unit of the model's coordinates [default: that of a job or run that is given, or m]
     #[arg(long, value_enum)]
     pub unit: Option<Unit>,
 }

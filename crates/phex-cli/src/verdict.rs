@@ -83,5 +83,6 @@ pub fn written(content: &'static str, path: &Path) -> OutputFile {
     OutputFile {
         content,
         path: path.display().to_string(),
+        sha256: None,
     }
 }

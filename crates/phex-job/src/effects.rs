@@ -153,6 +153,7 @@ impl MeshSettings {
         let later = [
             // A draft makes one lattice, all others the most regular of the same ones.
             ("effort best", self.effort == Some(TypedEffort::Best)),
+            ("method best", self.method == Some(LayoutMethod::Best)),
             ("symmetry", self.asks_for_symmetry()),
             ("target facets", self.target == Some(CloseTo::Facets)),
             ("repeat", self.repeat.is_some()),
@@ -354,6 +355,8 @@ mod tests {
             idle("target = 'facets'\nsymmetry = 4\neffort = 'best'"),
             ["effort best", "symmetry", "target facets"]
         );
+        assert_eq!(idle("method = 'best'"), ["method best"]);
+        assert_eq!(idle("method = 'lattice'"), Vec::<&str>::new());
         let steering =
             "ground = '0'\nfairness = 2\ncloseness = 2\nclearance = 0.1\nsolver = 'barrier'";
         assert_eq!(

@@ -3,6 +3,7 @@
 use crate::error::JobError;
 use crate::input::{read_polylines, read_some_numbers};
 use phex::directions::{Cone, Guides};
+use phex_mesh::Vec3;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -70,7 +71,8 @@ impl GuideSettings {
         let mut guides = Guides::default();
         if let Some(path) = &self.guide {
             let lines = read_polylines(path)?;
-            if lines.is_empty() {
+            let is_point = |line: &Vec<Vec3>| line.windows(2).all(|ends| ends[0] == ends[1]);
+            if lines.iter().all(is_point) {
                 let name = path.display();
                 return Err(JobError::input(format!(
                     "{name}: it holds no polyline (a line `l 1 2 3`)"

@@ -2,7 +2,9 @@
 
 use crate::error::JobError;
 use phex::report::InputFile;
-use phex_mesh::io::{Format, ReadCause, ReadError, other_elements, parse_soup, shown};
+use phex_mesh::io::{
+    Format, ReadCause, ReadError, logical_lines, other_elements, parse_soup, shown,
+};
 use phex_mesh::{
     HexMesh, LARGEST_COORDINATE, OtherElements, PolygonSoup, SurfaceNotes, SurfaceParts,
     TriangleSurface, Vec3,
@@ -171,12 +173,17 @@ pub fn number(word: &str) -> Result<f64, String> {
     }
 }
 
-/// The text of a file.
+/// The text of a file, without a byte-order mark.
 ///
 /// # Errors
 /// If it can't be read, or is no text.
 pub fn read_text(path: &Path) -> Result<String, JobError> {
-    std::fs::read_to_string(path).map_err(|e| JobError::in_file(path, &e))
+    let mut text = std::fs::read_to_string(path).map_err(|e| JobError::in_file(path, &e))?;
+    let mark = '\u{feff}';
+    if text.starts_with(mark) {
+        text.drain(..mark.len_utf8());
+    }
+    Ok(text)
 }
 
 /// A line of numbers, and where it stands.
@@ -198,7 +205,12 @@ impl NumberLine {
 /// The numbers of a line, separated by blanks or by commas: a line with both would be read another
 /// way by those who write decimal commas.
 fn numbers_of(data: &str) -> Result<Vec<f64>, String> {
+    // Commas at the end of a line move no number.
+    let data = data.trim_end_matches(|c: char| c == ',' || c.is_whitespace());
     let fields: Vec<&str> = data.split(',').map(str::trim).collect();
+    if fields.len() > 1 && fields.contains(&"") {
+        return Err("no number stands before a comma".to_owned());
+    }
     let has_both = fields.len() > 1 && fields.iter().any(|f| f.contains(char::is_whitespace));
     if has_both {
         return Err(
@@ -259,13 +271,9 @@ pub(crate) fn read_some_numbers(path: &Path) -> Result<Vec<NumberLine>, JobError
 /// If the file can't be read, or a line of it is wrong.
 pub fn read_polylines(path: &Path) -> Result<Vec<Vec<Vec3>>, JobError> {
     let (mut points, mut curves) = (Vec::new(), Vec::new());
-    for (index, line) in read_text(path)?.lines().enumerate() {
-        let bad = |e| JobError::input(format!("{}:{}: {e}", path.display(), index + 1));
-        let mut words = line
-            .split('#')
-            .next()
-            .unwrap_or_default()
-            .split_whitespace();
+    for (number, line) in logical_lines(&read_text(path)?) {
+        let bad = |e| JobError::input(format!("{}:{number}: {e}", path.display()));
+        let mut words = line.split_whitespace();
         match words.next() {
             Some("v") => points.push(point(words).map_err(bad)?),
             Some("l") => curves.push(polyline(words, &points).map_err(bad)?),
@@ -346,6 +354,31 @@ mod tests {
             let told = numbers_of(text).unwrap_err();
             assert!(told.contains("decimals have a point"), "{text}: {told}");
         }
+        for text in ["1,2,,5", ",2,3", "1, ,3"] {
+            let told = numbers_of(text).unwrap_err();
+            assert_eq!(told, "no number stands before a comma", "{text}");
+        }
+        assert_eq!(numbers_of("1,2,3,,"), Ok(vec![1.0, 2.0, 3.0]));
+        assert_eq!(numbers_of(" ,,"), Ok(vec![]), "an empty row of a table");
+    }
+
+    /// The first vertex of a file with a byte-order mark was lost, and all lines joined others.
+    #[test]
+    fn a_byte_order_mark_and_continued_lines_move_no_point() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("lines.obj");
+        let read = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            read_polylines(&path).unwrap()
+        };
+        let plain = read("v 0 0 0\nv 1 0 0\nv 2 0 0\nl 1 2 3\nl 1 2\n");
+        assert_eq!(plain.iter().map(Vec::len).collect::<Vec<_>>(), [3, 2]);
+        let marked = "\u{feff}v 0 0 0\nv 1 0 0\nv 2 0 0\nl 1 2 3\nl 1 2\n";
+        assert_eq!(read(marked), plain);
+        let continued = "v 0 0 0\nv 1 0 0\nv 2 0 \\\n0\nl 1 \\\n2 3\nl 1 2\n";
+        assert_eq!(read(continued), plain);
+        std::fs::write(&path, "\u{feff}1 2\n").unwrap();
+        assert_eq!(read_numbers(&path).unwrap()[0].numbers, [1.0, 2.0]);
     }
 
     #[test]

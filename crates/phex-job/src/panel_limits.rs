@@ -115,8 +115,10 @@ impl LimitSettings {
     /// If there are such figures.
     pub(crate) fn check(&self, unit: Unit) -> Result<(), JobError> {
         // A percentage and a length are compared where the model is known.
-        let exceeds =
-            |a: &Quantity, b: &Quantity| a.length(unit, f64::NAN) > b.length(unit, f64::NAN);
+        let is_share = |q: &Quantity| q.length(unit, f64::NAN).is_nan();
+        let exceeds = |a: &Quantity, b: &Quantity| {
+            is_share(a) == is_share(b) && a.length(unit, 1.0) > b.length(unit, 1.0)
+        };
         let edges = self
             .min_edge
             .zip(self.max_edge)
@@ -279,6 +281,17 @@ mod tests {
             let refused = told(&format!("{option} = {value}")).unwrap_err();
             assert!(refused.starts_with(option), "{refused}");
         }
+        let crossed = |edges: [&str; 2]| {
+            let [least, most] = edges;
+            told(&format!(
+                "min-edge = '{least}'
+max-edge = '{most}'"
+            ))
+        };
+        let named = "min-edge 5% is more than max-edge 1%".to_owned();
+        assert_eq!(crossed(["5%", "1%"]), Err(named));
+        assert!(crossed(["1m", "5cm"]).is_err());
+        assert_eq!(crossed(["5%", "1m"]), Ok(()), "the model is not known");
         assert_eq!(told("min-angle = 179\nmin-dihedral = 180"), Ok(()));
     }
 

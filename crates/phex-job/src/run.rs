@@ -55,8 +55,8 @@ pub struct MeshJob {
     pub settings: MeshSettings,
     /// What those files hold, see [`Given::read`].
     pub given: Given,
-    /// An earlier mesh to go on from.
-    pub start: Option<HexMesh>,
+    /// An earlier mesh to go on from, and what is told of its origin.
+    pub start: Option<(HexMesh, InputFile)>,
     /// Whether a job that is cancelled ends with the best mesh so far.
     pub keep_best: bool,
     /// When it ends with the best mesh so far.
@@ -150,7 +150,7 @@ pub fn run(job: &MeshJob, progress: &dyn Progress) -> Result<JobResult, JobError
     let mut notes = Notes::new(progress);
     let task = MeshTask::new(job, &timed, &mut notes)?;
     let runs = match &job.start {
-        Some(earlier) => task.refit(earlier).map(|run| vec![run]),
+        Some((earlier, _)) => task.refit(earlier).map(|run| vec![run]),
         None => task.mesh_each(),
     };
     let runs = runs.map_err(|error| timed.too_late(error))?;
@@ -233,7 +233,10 @@ impl<'a> MeshTask<'a> {
         sentences.extend(without_effect(job, &facets));
         sentences.into_iter().for_each(|note| notes.say(note));
         let field = size_field(job, &components)?;
-        let panels = panels(job, field.as_ref(), &facets, &components)?;
+        let panels = match &job.start {
+            Some((earlier, _)) => earlier.topology().n_faces() as u64,
+            None => panels(job, field.as_ref(), &facets, &components)?,
+        };
         let edge = edge_length(facets.area() / panels as f64);
         let thin = components.iter();
         let thin = thin.filter_map(|part| thinner_than(edge, &part.surface));
@@ -356,7 +359,12 @@ impl<'a> MeshTask<'a> {
             limits.boundary = None;
         }
         let mut report = limits.report("mesh", assessment);
-        report.inputs = vec![self.job.input.clone()];
+        let earlier = self.job.start.iter().map(|(_, input)| input);
+        report.inputs = [&self.job.input]
+            .into_iter()
+            .chain(earlier)
+            .cloned()
+            .collect();
         report.threads = rayon::current_num_threads();
         let attempts = runs.iter().flat_map(|run| members(&run.tried));
         report.notes.extend(notes.into_iter().chain(attempts));
@@ -376,7 +384,7 @@ impl<'a> MeshTask<'a> {
             mesh.topology().n_edges(),
         );
         describe(&mut report, &self.settings, runs)?;
-        let wishes = match self.job.start {
+        let wishes = match &self.job.start {
             None => self.wishes(&mesh, smooth.as_ref(), &cones).told(),
             Some(_) => Vec::new(),
         };

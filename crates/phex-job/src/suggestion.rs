@@ -113,12 +113,7 @@ impl SurfaceKind {
         }
     }
 
-    /// Panels with edges of a length.
-    pub fn of_edges(&self, length: f64) -> Suggestion {
-        self.of_panels(((self.area / hexagon_area(length)).round() as u64).max(1))
-    }
-
-    /// Panels that are no farther from the surface than a length.
+    /// Panels that are no farther from the surface than a length, or as many as make sense.
     pub fn of_deviation(&self, length: f64) -> Suggestion {
         let larger = |n: &u64| Some((*n + 1).max((*n as f64 * (1.0 + STEP)) as u64));
         let counts = std::iter::successors(Some(1), larger);

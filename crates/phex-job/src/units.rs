@@ -26,6 +26,9 @@ pub enum Unit {
 }
 
 impl Unit {
+    /// All of them, `m` last: it also ends `mm` and `cm`.
+    const ALL: [Self; 5] = [Self::Mm, Self::Cm, Self::In, Self::Ft, Self::M];
+
     /// Length in metres.
     pub fn metres(self) -> f64 {
         match self {
@@ -221,9 +224,7 @@ impl FromStr for Quantity {
 
     fn from_str(text: &str) -> Result<Self, NoQuantity> {
         let text = text.trim();
-        // `m` last: it also ends `mm` and `cm`.
-        let endings =
-            [Unit::Mm, Unit::Cm, Unit::In, Unit::Ft, Unit::M].map(|u| (u.name(), Suffix::Unit(u)));
+        let endings = Unit::ALL.map(|u| (u.name(), Suffix::Unit(u)));
         let (number, suffix) = endings
             .into_iter()
             .chain([("%", Suffix::Percent)])
@@ -330,8 +331,8 @@ impl FromStr for Area {
         };
         let squared = text.trim().strip_suffix(['2', '²']);
         let length: Quantity = match squared {
-            // The 2 is part of a number where no unit stands before it.
-            Some(length) if length.ends_with(|c: char| c.is_alphabetic()) => length,
+            // The 2 is part of a number where no unit stands before it, as in 1e2.
+            Some(length) if Unit::ALL.iter().any(|u| length.ends_with(u.name())) => length,
             _ => text,
         }
         .parse()
@@ -504,6 +505,8 @@ mod tests {
         assert_eq!(area("2.5m2"), Ok(2.5e6));
         assert_eq!(area("2m²"), Ok(2e6));
         assert_eq!(area("12"), Ok(12.0));
+        assert_eq!(area("1e2"), Ok(100.0));
+        assert_eq!(area("10e2in2"), Ok(1000.0 * 25.4 * 25.4));
         for text in ["2m", "5%", "0", "-1m2", "m2", "nan", "2%2"] {
             assert!(area(text).is_err(), "{text}");
         }

@@ -192,11 +192,8 @@ pub fn mesh(
     let mut given = Given::read(&settings)?;
     request.given.add_to(&mut given)?;
     given.size_field = inputs.sizes.clone().or(given.size_field);
-    let start = inputs
-        .files
-        .get(1)
-        .map(MeshFile::polygon_mesh)
-        .transpose()?;
+    let start = inputs.files.get(1);
+    let start = start.map(|file| Ok((file.polygon_mesh()?.0, file.record.clone())));
     let length = request.time_limit.as_deref().map(time_limit).transpose();
     let length = length.map_err(|e| JobError::Input(format!("time_limit: {e}")))?;
     let parts = match &inputs.session {
@@ -207,7 +204,7 @@ pub fn mesh(
     let kept = inputs.session.as_ref().map(|kept| kept.sessions.clone());
     let job = MeshJob {
         given,
-        start: start.map(|(mesh, _)| mesh),
+        start: start.transpose()?,
         keep_best: request.keep_best,
         until: request.until,
         time_limit: length.and_then(TimeLimit::from_now),
@@ -326,13 +323,17 @@ pub fn planarized(
     progress: &dyn Progress,
 ) -> Result<Answer, JobError> {
     let (start, surface) = (inputs.panels()?, inputs.surface()?);
-    let limits = request.limits.limits(surface.is_some())?;
     let typed = MeshSettings {
+        unit: request.limits.unit,
         steering: request.steering,
         ..MeshSettings::default()
     };
     let settings = with_job_file(typed, request.config)?;
     settings.steering.check_effects()?;
+    let limits = TypedLimits {
+        unit: settings.unit(),
+        ..request.limits.limits(surface.is_some())?
+    };
     let mut given = Given {
         steering: settings.steering.read()?,
         ..Given::default()

@@ -6,8 +6,8 @@ use crate::judged::stopped;
 use phex::directions::{Curve, NetworkFamily};
 use phex::offset::{
     GaussImage, OffsetError, OffsetKind, OffsetOptions, PanelSolid, SafeDistances, beam_axes,
-    edge_gauss_image, face_gauss_image, joined, layer, node_axes, panel_solids, safe_distances,
-    vertex_gauss_image,
+    edge_gauss_image, face_gauss_image, joined, layer, node_axes, panel_solids, rounded_down,
+    safe_distances, successive, vertex_gauss_image,
 };
 use phex::{MeshOptions, PanelSize, Progress};
 use phex_job::{JobError, Quantity, TypedPanelSize, Unit, chain, check_distances};
@@ -65,8 +65,8 @@ pub fn offset(
     let soups = layers.iter().map(HexMesh::to_soup).collect();
     let mut answer = vec![("layers", AnswerPart::Meshes(soups))];
     if request.solids || request.beams {
-        let between = Between::new(&mesh, &layers, &request.distances);
-        answer.extend(between.parts(&request)?);
+        let numbered = request.distances.iter().copied().zip(&layers);
+        answer.extend(between(&successive(&mesh, numbered), &request)?);
     }
     if request.max_distance {
         let safe = safe_distances(&mesh, &image, &options);
@@ -80,56 +80,40 @@ pub fn offset(
     Ok(answer)
 }
 
-/// A mesh and its layers, those with less distance first.
-struct Between<'a>(Vec<&'a HexMesh>);
-
-impl<'a> Between<'a> {
-    /// A single layer lies over or under the mesh; of several, those that follow one another make
-    /// pairs.
-    fn new(mesh: &'a HexMesh, layers: &'a [HexMesh], distances: &[f64]) -> Self {
-        let numbered = distances.iter().copied().zip(layers);
-        let mut all: Vec<(f64, &HexMesh)> = numbered.collect();
-        if all.len() == 1 {
-            all.push((0.0, mesh));
+/// What lies between layers: solids, beams and nodes.
+fn between(pairs: &[[&HexMesh; 2]], request: &OffsetRequest) -> Result<Answer, JobError> {
+    let told = |e: &dyn std::error::Error| JobError::NoResult(chain(e));
+    let (mut solids, mut volumes, mut beams) = (Vec::new(), Vec::new(), Vec::new());
+    for [lower, upper] in pairs {
+        if request.solids {
+            let made = panel_solids(lower, upper, request.gap).map_err(|e| match e {
+                OffsetError::Gap { .. } => JobError::Input(format!("gap: {e}")),
+                e => told(&e),
+            })?;
+            volumes.push(made.iter().map(PanelSolid::volume).sum());
+            solids.push(joined(&made));
         }
-        all.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Self(all.into_iter().map(|(_, layer)| layer).collect())
-    }
-
-    fn parts(&self, request: &OffsetRequest) -> Result<Answer, JobError> {
-        let told = |e: &dyn std::error::Error| JobError::NoResult(chain(e));
-        let (mut solids, mut volumes, mut beams) = (Vec::new(), Vec::new(), Vec::new());
-        for pair in self.0.windows(2) {
-            if request.solids {
-                let made = panel_solids(pair[0], pair[1], request.gap).map_err(|e| match e {
-                    OffsetError::Gap { .. } => JobError::Input(format!("gap: {e}")),
-                    e => told(&e),
-                })?;
-                volumes.push(made.iter().map(PanelSolid::volume).sum());
-                solids.push(joined(&made));
-            }
-            if request.beams {
-                let axes = beam_axes(pair[0], pair[1]).map_err(|e| told(&e))?;
-                let nodes = node_axes(pair[0], pair[1]).map_err(|e| told(&e))?;
-                beams.push(json!({
-                    "edge": axes.iter().map(|b| b.edge.index()).collect::<Vec<_>>(),
-                    "vertices": axes.iter().map(|b| b.vertices.map(|v| v.index())).collect::<Vec<_>>(),
-                    "ends": axes.iter().map(|b| b.ends.map(<[f64; 3]>::from)).collect::<Vec<_>>(),
-                    "plane_normal": axes.iter().map(|b| <[f64; 3]>::from(b.plane_normal)).collect::<Vec<_>>(),
-                    "torsion": axes.iter().map(|b| b.torsion).collect::<Vec<_>>(),
-                    "node": nodes.iter().map(|n| n.vertex.index()).collect::<Vec<_>>(),
-                    "base": nodes.iter().map(|n| <[f64; 3]>::from(n.base)).collect::<Vec<_>>(),
-                    "direction": nodes.iter().map(|n| <[f64; 3]>::from(n.direction)).collect::<Vec<_>>(),
-                    "length": nodes.iter().map(|n| n.length).collect::<Vec<_>>(),
-                }));
-            }
+        if request.beams {
+            let axes = beam_axes(lower, upper).map_err(|e| told(&e))?;
+            let nodes = node_axes(lower, upper).map_err(|e| told(&e))?;
+            beams.push(json!({
+                "edge": axes.iter().map(|b| b.edge.index()).collect::<Vec<_>>(),
+                "vertices": axes.iter().map(|b| b.vertices.map(|v| v.index())).collect::<Vec<_>>(),
+                "ends": axes.iter().map(|b| b.ends.map(<[f64; 3]>::from)).collect::<Vec<_>>(),
+                "plane_normal": axes.iter().map(|b| <[f64; 3]>::from(b.plane_normal)).collect::<Vec<_>>(),
+                "torsion": axes.iter().map(|b| b.torsion).collect::<Vec<_>>(),
+                "node": nodes.iter().map(|n| n.vertex.index()).collect::<Vec<_>>(),
+                "base": nodes.iter().map(|n| <[f64; 3]>::from(n.base)).collect::<Vec<_>>(),
+                "direction": nodes.iter().map(|n| <[f64; 3]>::from(n.direction)).collect::<Vec<_>>(),
+                "length": nodes.iter().map(|n| n.length).collect::<Vec<_>>(),
+            }));
         }
-        Ok(vec![
-            ("solids", AnswerPart::Meshes(solids)),
-            ("volumes", AnswerPart::Numbers(volumes)),
-            ("beams", AnswerPart::Text(json!(beams).to_string())),
-        ])
     }
+    Ok(vec![
+        ("solids", AnswerPart::Meshes(solids)),
+        ("volumes", AnswerPart::Numbers(volumes)),
+        ("beams", AnswerPart::Text(json!(beams).to_string())),
+    ])
 }
 
 fn image(
@@ -148,8 +132,8 @@ fn image(
 fn too_far(cause: &str, distance: f64, safe: impl FnOnce() -> SafeDistances) -> JobError {
     let safe = safe();
     let most = match distance < 0.0 {
-        true => -safe.inward.distance,
-        false => safe.outward.distance,
+        true => -rounded_down(safe.inward.distance),
+        false => rounded_down(safe.outward.distance),
     };
     JobError::NoResult(format!(
         "{cause}; the largest safe distance on that side is {most} (model units)"

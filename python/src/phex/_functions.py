@@ -408,8 +408,9 @@ def check(
     with a report; an invalid one is no error.
 
     ``report_of`` is an earlier run, a :class:`phex.Panelling` or the path of its report: limits, the
-    unit and surfaces that are not given are those of that run. ``limits`` is a job file, whose
-    limits and unit come before those of the run.
+    unit and surfaces that are not given are those of that run. Reports that Python wrote name no
+    smooth surface: with their path a mesh is judged by the facets alone. ``limits`` is a job file,
+    whose limits and unit come before those of the run.
 
     >>> import phex
     >>> phex.check(([[0, 0, 0], [1, 0, 0], [1, 1, 0.5], [0, 1, 0]], [[0, 1, 2, 3]])).verdict
@@ -452,26 +453,29 @@ def _promise(report_of: Any) -> Tuple[Any, Optional[Surface], Optional[Surface]]
 
 
 def _surfaces_of(report: Dict[str, Any], folder: str) -> Tuple[Any, Any]:
-    """The surfaces that a report names, where it says or beside it."""
+    """The surfaces that a report names, from where it lies or from here."""
 
-    def found(name: str) -> Optional[str]:
-        places = (name, os.path.join(folder, name))
-        return next((p for p in places if os.path.isfile(p)), None)
+    def found(entry: Dict[str, Any]) -> Optional[Surface]:
+        """The first that has not changed."""
+        places = [os.path.join(folder, entry["path"]), entry["path"]]
+        read = [Surface.read(place) for place in places if os.path.isfile(place)]
+        # Reports of earlier versions do not tell the checksum of what was written.
+        same = [s for s in read if s._sha256 == entry.get("sha256", s._sha256)]
+        if read and not same:
+            changed = f"{read[0].name} has changed since the report"
+            raise InputError(f"report_of: {changed}: give the surface")
+        return same[0] if same else None
 
     # `mesh` reads the surface first, the others the mesh.
     read = report["inputs"][0 if report["command"] == "mesh" else 1 :][:1]
     surface = smooth = None
     for entry in read:
-        place = found(entry["path"])
-        if place is None:
+        surface = found(entry)
+        if surface is None:
             told = "is not there: give the surface"
             raise InputError(f"report_of: the surface {entry['path']} {told}")
-        surface = Surface.read(place)
-        if surface._sha256 != entry["sha256"]:
-            raise InputError(f"report_of: {place} has changed since the report: give the surface")
     for entry in report["outputs"]:
-        place = found(entry["path"]) if entry["content"] == "smooth_target" else None
-        smooth = smooth if place is None else Surface.read(place)
+        smooth = found(entry) if entry["content"] == "smooth_target" else smooth
     return surface, smooth
 
 
@@ -796,9 +800,13 @@ def network(
 
 def convert(source: Any, output: Any, *, unit: Optional[str] = None) -> None:
     """Reads a file and writes it in the format of the other one's extension, as ``phex convert``.
-    ``unit`` is that of the coordinates, in metres if it is not given: GLB and 3MF hold metres."""
+    ``unit`` is that of the coordinates, in metres if it is not given: GLB and 3MF hold metres, and
+    3DM names it; files of other formats have none."""
     read, written = path_text(source, "source"), path_text(output, "output")
     _check_format("output", written)
+    if unit is not None and not written.lower().endswith((".glb", ".3mf", ".3dm")):
+        told = "whose coordinates stay as they are: leave it out"
+        raise InputError(f"unit: {unit} has no effect on {written}, {told}")
     check_writable({"output": written}, [read])
     Mesh.read(read).save(written, unit=unit)
 

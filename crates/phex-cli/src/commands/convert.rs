@@ -14,12 +14,19 @@ use phex_mesh::io::Format;
 /// If the input can't be used or the output can't be written.
 pub fn run(command: &ConvertCommand) -> Result<Exit, Failure> {
     check_writable(&[(&command.output, Content::Mesh)], &[&command.input])?;
-    let file = MeshFile::read(&command.input)?;
     let in_metres = Format::from_path(&command.output).is_ok_and(Format::is_in_metres);
-    if let Some(note) = file.doubted(command.unit).filter(|_| in_metres) {
+    if let Some(unit) = command.unit.filter(|_| !in_metres) {
+        let path = command.output.display();
+        return Err(Failure::input(format!(
+            "--unit {unit} has no effect on {path}, whose coordinates stay as they are: leave it out"
+        )));
+    }
+    let unit = command.unit.unwrap_or_default();
+    let file = MeshFile::read(&command.input)?;
+    if let Some(note) = file.doubted(unit).filter(|_| in_metres) {
         Reporter::new(&command.talk).note(note);
     }
-    write_mesh(&command.output, &file.soup, command.unit)?;
+    write_mesh(&command.output, &file.soup, unit)?;
     let (vertices, faces) = (file.record.vertices, file.record.faces);
     tell(
         command.talk.quiet,

@@ -6,13 +6,15 @@ use crate::dual_arguments::DupinCommand;
 use crate::exit::{Exit, Failure};
 use crate::output::{check_writable, given, write_text};
 use crate::progress::Reporter;
-use phex::curvature::{CurvatureOptions, curvature};
-use phex::curvature::{Indicatrix, inscribing_curves};
+use phex::curvature::{
+    CurvatureOptions, Indicatrix, inscribing_curves, principal, tensors_at_points,
+};
 use phex::directions::Curve;
 use phex::layout::CELL;
 use phex_job::{Content, MeshFile};
 use phex_mesh::{FaceId, SurfacePoint, Topology, TriangleSurface, Vec3, VertexId};
-use std::collections::BTreeSet;
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -52,9 +54,13 @@ pub fn run(command: &DupinCommand) -> Result<Exit, Failure> {
     };
     let spacing = (surface.area() / (CELL * points.len() as f64)).sqrt();
     let length = spacing.min(0.1 * surface.diagonal());
-    let curvature = curvature(&surface, length, &CurvatureOptions::default());
-    let at = |p: &SurfacePoint| Indicatrix::at(p, &surface, &curvature);
-    let indicatrices: Vec<Indicatrix> = points.iter().map(at).collect();
+    let tensors = tensors_at_points(&surface, &points, length, &CurvatureOptions::default());
+    let at = |(p, tensor): (&SurfacePoint, &_)| Indicatrix {
+        point: p.position,
+        normal: p.normal,
+        principal: principal(p.normal, tensor),
+    };
+    let indicatrices: Vec<Indicatrix> = points.iter().zip(&tensors).map(at).collect();
     let curves: Vec<Vec<Vec<Vec3>>> = if panels.is_empty() {
         indicatrices
             .iter()
@@ -108,19 +114,30 @@ fn apart(t: &Topology, among: &[FaceId]) -> Vec<FaceId> {
         let all = corners.flat_map(|v| t.faces_at(*v));
         all.filter(|g| *g != f).collect()
     };
-    let mut open: BTreeSet<FaceId> = among.iter().copied().collect();
+    // How many panels round each open one may not be taken; the order is that of the choice.
+    let mut closed: BTreeMap<FaceId, usize> = among.iter().map(|f| (*f, 0)).collect();
+    let shut = |f: FaceId| around(f).iter().filter(|g| !closed.contains_key(g)).count();
+    let counts: Vec<(FaceId, usize)> = among.iter().map(|f| (*f, shut(*f))).collect();
+    closed.extend(counts);
+    let mut order: BTreeSet<(usize, Reverse<FaceId>)> = (closed.iter())
+        .map(|(f, count)| (*count, Reverse(*f)))
+        .collect();
     let mut taken = Vec::new();
-    let closed =
-        |open: &BTreeSet<FaceId>, f: FaceId| around(f).iter().filter(|g| !open.contains(g)).count();
-    while let Some(&next) = open
-        .iter()
-        .max_by_key(|f| (closed(&open, **f), std::cmp::Reverse(**f)))
-    {
+    while let Some(&(_, Reverse(next))) = order.last() {
         taken.push(next);
-        open.remove(&next);
-        around(next).iter().for_each(|g| {
-            open.remove(g);
-        });
+        for shut in around(next).into_iter().chain([next]) {
+            let Some(count) = closed.remove(&shut) else {
+                continue;
+            };
+            order.remove(&(count, Reverse(shut)));
+            for f in around(shut) {
+                if let Some(count) = closed.get_mut(&f) {
+                    order.remove(&(*count, Reverse(f)));
+                    *count += 1;
+                    order.insert((*count, Reverse(f)));
+                }
+            }
+        }
     }
     taken
 }
@@ -195,4 +212,34 @@ fn table(indicatrices: &[Indicatrix], path: &Path) -> String {
         path.display(),
         indicatrices.len()
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use phex::classical::goldberg;
+
+    /// The rule as it is told, with everything counted anew for each panel that is taken.
+    #[test]
+    fn panels_apart_are_those_of_the_rule() {
+        let mesh = goldberg(5, 2).unwrap().mesh;
+        let t = mesh.topology();
+        let touch = |f: FaceId, g: FaceId| {
+            let mut corners = t.face_vertices(f).iter();
+            f != g && corners.any(|v| t.face_vertices(g).contains(v))
+        };
+        let hexagons: Vec<FaceId> = t.faces().filter(|f| t.valence(*f) == 6).collect();
+        let (mut open, mut expected) = (hexagons.clone(), Vec::new());
+        let closed = |open: &[FaceId], f: FaceId| {
+            let around = t.faces().filter(|g| touch(f, *g));
+            around.filter(|g| !open.contains(g)).count()
+        };
+        while let Some(next) =
+            (open.iter().copied()).max_by_key(|f| (closed(&open, *f), Reverse(*f)))
+        {
+            expected.push(next);
+            open.retain(|f| *f != next && !touch(next, *f));
+        }
+        assert_eq!(apart(t, &hexagons), expected);
+    }
 }

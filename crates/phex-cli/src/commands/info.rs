@@ -8,8 +8,10 @@ use crate::summary::SummaryTable;
 use anyhow::Context;
 use phex::quality::told_place;
 use phex_job::{
-    ComponentInfo, FileInfo, MeshFile, Quantity, Suggestion, SurfaceKind, Unit, four_digits,
+    ComponentInfo, FileInfo, MeshFile, Suggestion, SurfaceKind, TypedPanelSize, Unit, four_digits,
+    panels,
 };
+use phex_mesh::TriangleSurface;
 use serde::Serialize;
 
 /// How many components the table lists; JSON holds all of them.
@@ -24,18 +26,20 @@ const USUAL: [u64; 3] = [100, 300, 1000];
 pub fn run(command: &InfoCommand) -> Result<Exit, Failure> {
     let file = MeshFile::read(&command.input)?;
     let info = FileInfo::new(&file);
-    let kind = file.surface().ok().map(|s| SurfaceKind::new(&s));
-    let suggestions = kind.as_ref().map(|k| suggested(command, k, info.diagonal));
+    let surface = file.surface().ok();
+    let kind = surface.as_ref().map(SurfaceKind::new);
+    let both = kind.as_ref().zip(surface.as_ref());
+    let suggestions = both.map(|(kind, surface)| suggested(command, kind, surface));
     let told = FileAnswer {
         info: &info,
         kind: kind.as_ref(),
-        suggestions: suggestions.unwrap_or_default(),
+        suggestions: suggestions.transpose()?.unwrap_or_default(),
     };
     if command.json {
         let json = serde_json::to_string_pretty(&told).context("the information")?;
         output::print(&(json + "\n"))?;
     } else {
-        let text = table(&info, command.unit) + &advice(&told, command.unit);
+        let text = table(&info, command.unit) + &advice(command, &told);
         tell(command.talk.quiet, &text)?;
     }
     Ok(if info.problem.is_some() {
@@ -55,20 +59,42 @@ struct FileAnswer<'a> {
 }
 
 /// What to expect of the panels that are asked for, or of some usual numbers of them.
-fn suggested(command: &InfoCommand, kind: &SurfaceKind, diagonal: f64) -> Vec<Suggestion> {
-    let length = |q: &Quantity| q.length(command.unit, diagonal);
-    let edges = command.edge_length.iter().map(|q| kind.of_edges(length(q)));
-    let near = command.max_deviation.iter();
-    let near = near.map(|q| kind.of_deviation(length(q)));
-    let asked: Vec<Suggestion> = edges.chain(near).collect();
-    if asked.is_empty() {
-        USUAL.map(|n| kind.of_panels(n)).to_vec()
-    } else {
-        asked
+fn suggested(
+    command: &InfoCommand,
+    kind: &SurfaceKind,
+    surface: &TriangleSurface,
+) -> Result<Vec<Suggestion>, Failure> {
+    let mut asked = Vec::new();
+    if let Some(edge) = command.edge_length {
+        let panels = panels(TypedPanelSize::EdgeLength(edge), surface, command.unit)?;
+        asked.push(kind.of_panels(panels));
     }
+    if let Some(near) = command.max_deviation {
+        let length = near.length(command.unit, surface.diagonal());
+        if length == 0.0 {
+            let told = format!("--max-deviation {near}: the length must be positive");
+            return Err(Failure::input(told));
+        }
+        asked.push(kind.of_deviation(length));
+    }
+    Ok(match asked.is_empty() {
+        true => USUAL.map(|n| kind.of_panels(n)).to_vec(),
+        false => asked,
+    })
 }
 
-fn advice(told: &FileAnswer<'_>, unit: Unit) -> String {
+/// What is said where no number of panels comes as near as is asked for, which is looked for last.
+fn missed(command: &InfoCommand, told: &FileAnswer<'_>) -> Option<String> {
+    let (asked, last) = command.max_deviation.zip(told.suggestions.last())?;
+    let misses = last.deviation > asked.length(command.unit, told.info.diagonal);
+    misses.then(|| {
+        let panels = last.panels;
+        format!("at most {panels} panels make sense, and these are not as near as {asked}")
+    })
+}
+
+fn advice(command: &InfoCommand, told: &FileAnswer<'_>) -> String {
+    let unit = command.unit;
     let mut table = SummaryTable::default();
     let Some(kind) = told.kind else {
         return String::new();
@@ -95,6 +121,9 @@ fn advice(told: &FileAnswer<'_>, unit: Unit) -> String {
             "`phex mesh` takes polygons as triangles and makes panels of its own; `phex planarize` makes given faces planar, three of \
              which meet at each inner vertex; a mesh of quadrilaterals is a surface here, not panels",
         );
+    }
+    if let Some(note) = missed(command, told) {
+        table.row("note", note);
     }
     let least = kind.resolving();
     if told.suggestions.iter().any(|s| s.panels < least) {

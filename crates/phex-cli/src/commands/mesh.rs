@@ -9,10 +9,13 @@ use crate::html::Shown;
 use crate::method_summary::{of_method, of_portfolio};
 use crate::output::{check_writable, write_mesh};
 use crate::progress::{Reporter, check_interruption, keep_best, take_interruption};
-use crate::summary;
+use crate::summary::{self, SummaryTable};
 use crate::verdict::written;
+use anyhow::Context;
+use phex::report::OutputFile;
 use phex_job::{
     Content, Given, JobResult, LAYOUT_ALONE, LastStage, MeshFile, MeshJob, MeshSettings, TimeLimit,
+    sha256,
 };
 use std::path::Path;
 
@@ -50,10 +53,10 @@ fn job(
     let parts = file.surfaces()?;
     let given = Given::read(&settings)?;
     let start = command.start.as_deref().map(MeshFile::read).transpose()?;
-    let start = start.map(|file| file.polygon_mesh()).transpose()?;
+    let start = start.map(|file| Ok::<_, Failure>((file.polygon_mesh()?.0, file.record)));
     Ok(MeshJob {
         given,
-        start: start.map(|(mesh, _)| mesh),
+        start: start.transpose()?,
         keep_best: command.keep_best,
         time_limit,
         until: command.until,
@@ -72,12 +75,18 @@ fn deliver(command: &MeshCommand, mut made: JobResult) -> Result<Exit, Failure> 
     let mut report = made.report;
     if let (Some(path), Some(smooth)) = (&command.write_target, &made.smooth) {
         write_mesh(path, &smooth.to_soup(), made.limits.unit)?;
-        report.outputs.push(written("smooth_target", path));
+        let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+        report.outputs.push(OutputFile {
+            sha256: Some(sha256(bytes)),
+            ..written("smooth_target", path)
+        });
     }
     let before = match command.until {
         Some(LastStage::Layout) => {
             let count = made.mesh.topology().n_faces();
-            format!("layout     {count} panels, {LAYOUT_ALONE}\n")
+            let mut table = SummaryTable::default();
+            table.row("layout", format!("{count} panels, {LAYOUT_ALONE}"));
+            table.into_text()
         }
         None => methods.collect(),
     };

@@ -17,7 +17,7 @@ use crate::progress::{Reporter, check_interruption};
 use base::{Base, OffsetLayer};
 use files::Files;
 use phex::offset::OffsetOptions;
-use phex_job::{MeshFile, check_distances, number, read_text};
+use phex_job::{MeshFile, NumberLine, check_distances, read_numbers};
 use phex_mesh::{HexMesh, PerFace, ValidateOptions};
 use std::path::Path;
 use told::Told;
@@ -117,6 +117,12 @@ impl<'a> OffsetJob<'a> {
                 "give --distance, --face-distances, --max-distance or --gauss-image",
             ));
         }
+        if silent && !command.gauss_image && command.output.is_some() {
+            return Err(Failure::new(
+                Exit::Usage,
+                "--output has no effect without layers: give --distance or --face-distances, or leave it out",
+            ));
+        }
         if silent && between {
             return Err(Failure::new(
                 Exit::Usage,
@@ -149,11 +155,10 @@ impl<'a> OffsetJob<'a> {
 }
 
 fn read_distances(path: &Path) -> Result<PerFace<f64>, Failure> {
-    let text = read_text(path)?;
-    let at = |(k, word): (usize, &str)| {
-        let refused = |e| Failure::input(format!("{}: number {}: {e}", path.display(), k + 1));
-        number(word).map_err(refused)
+    let distance = |line: NumberLine| match line.numbers[..] {
+        [distance] => Ok(distance),
+        _ => Err(line.wrong("one number")),
     };
-    let all: Result<Vec<f64>, Failure> = text.split_whitespace().enumerate().map(at).collect();
-    all.map(PerFace::from_vec)
+    let all: Result<Vec<f64>, _> = read_numbers(path)?.into_iter().map(distance).collect();
+    Ok(PerFace::from_vec(all?))
 }

@@ -32,7 +32,10 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
     let files = PlanarizeInput::read(command)?;
     let (start, notes) = files.mesh.sewn_polygon_mesh()?;
     let surface = files.surface()?;
-    let limits = TypedLimits::from(&command.limits);
+    let limits = TypedLimits {
+        unit: command.limits.unit.unwrap_or(settings.unit()),
+        ..TypedLimits::from(&command.limits)
+    };
     let given = settings.steering.read()?;
     let mut how = Planarization::new(settings, given, &limits, (&start, surface.as_ref()));
     how.refit |= command.refit;

@@ -9,8 +9,9 @@ use crate::summary::SummaryTable;
 use anyhow::Context;
 use nalgebra::Matrix3x4;
 use phex::classical::{PowerDiagram, PowerSite, goldberg, power_diagram};
+use phex::report::InputFile;
 use phex_job::TypedLimits;
-use phex_job::{NumberLine, read_numbers};
+use phex_job::{NumberLine, read_numbers, sha256};
 use phex_mesh::{HexMesh, Vec2};
 use serde_json::json;
 use std::path::Path;
@@ -46,6 +47,8 @@ pub fn run(command: &PowerCommand) -> Result<Exit, Failure> {
     let mut report = judged("power-diagram", &shown, &limits);
     report.settings = json!({ "goldberg": command.goldberg, "cap": command.cap, "axes": command.axes, "affine": command.affine });
     report.statistics = json!({ "hidden": diagram.hidden });
+    let sites = command.sites.iter().map(|path| record(path));
+    report.inputs = sites.collect::<Result<_, _>>()?;
     Delivery {
         output: Some(&command.output),
         keep_invalid: command.keep_invalid,
@@ -93,6 +96,18 @@ fn diagram(command: &PowerCommand) -> Result<PowerDiagram, Failure> {
         (None, Some([m, n])) => goldberg(m, n).or_exit(Exit::InputUnusable),
         (None, None) => Err(Failure::input("give --goldberg M,N or --sites FILE")),
     }
+}
+
+/// What the report says about the file of the sites.
+fn record(path: &Path) -> Result<InputFile, Failure> {
+    let name = path.display().to_string();
+    let bytes = std::fs::read(path).with_context(|| name.clone());
+    Ok(InputFile {
+        sha256: sha256(bytes.or_exit(Exit::InputUnusable)?),
+        path: name,
+        vertices: read_numbers(path)?.len(),
+        faces: 0,
+    })
 }
 
 fn read_sites(path: &Path) -> Result<Vec<PowerSite>, Failure> {

@@ -659,6 +659,10 @@ fn options_without_effect_are_refused() {
         "subdivide a.obj -o out.obj --any-domain",
         &["--any-domain", "robust"],
     );
+    refused(
+        "convert a.obj out.ply --unit mm",
+        &["--unit mm", "out.ply", "leave it out"],
+    );
     refused("offset a.obj -o out --distance 5e-324", &["5e-324"]);
     refused("offset a.obj -o out --distance 0.1,1e-30", &["1e-30"]);
     refused("offset a.obj -o out --distance 1e308", &["1e308"]);
@@ -667,6 +671,8 @@ fn options_without_effect_are_refused() {
         "dupin a.obj -o c.obj --panels a.obj --size 0.3",
         "shape sphere -o s.obj --seed 3",
         "offset a.obj -o out --max-distance --solids",
+        "offset a.obj -o out --max-distance",
+        "render a.obj -o a.png --elevation 200",
     ] {
         assert_eq!(shop.phex(arguments).code, Some(2), "{arguments}");
     }

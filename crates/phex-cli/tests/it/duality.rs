@@ -43,7 +43,10 @@ fn goldberg_polyhedra_and_given_sites() {
         "sites.txt",
         "# x y weight\n".to_owned() + &lattice.map(site).collect::<String>(),
     );
-    let run = shop.phex("power-diagram --sites sites.txt -o sites.obj");
+    let run = shop.phex("power-diagram --sites sites.txt -o sites.obj --report sites.json");
+    let input = &shop.json("sites.json")["inputs"][0];
+    assert_eq!(input["path"], "sites.txt");
+    assert_eq!(input["sha256"].as_str().map(str::len), Some(64));
     assert!(
         run.stdout.contains("every face"),
         "{} {}",

@@ -94,6 +94,29 @@ fn info_suggests_numbers_of_panels_that_keep_what_is_asked_for() {
     );
 }
 
+/// Numbers that `mesh` would refuse are not suggested.
+#[test]
+fn info_refuses_what_no_number_of_panels_gives() {
+    let shop = roof();
+    for (asked, told) in [
+        (
+            "--edge-length 0",
+            "--edge-length 0: the length must be positive",
+        ),
+        ("--edge-length 1e-6", "at most 200000 make sense"),
+        (
+            "--max-deviation 0",
+            "--max-deviation 0: the length must be positive",
+        ),
+    ] {
+        shop.phex(&format!("info roof.obj {asked}"))
+            .refuses(4, &[told]);
+    }
+    let told = shop.succeed("info roof.obj --max-deviation 0.001mm").stdout;
+    assert!(told.contains("-n 200000"), "{told}");
+    assert!(told.contains("not as near as 0.001mm"), "{told}");
+}
+
 /// Panels of a saddle stand off by the difference of its two curvatures.
 #[test]
 fn info_knows_that_saddles_take_more_panels() {

@@ -46,6 +46,8 @@ fn wrong_guides_are_refused() {
     refuse("--cones five.txt", "add up to 5 sixths");
     refuse("--cones half.txt", "half.txt:1: `x y z index`");
     refuse("--guide none.obj", "holds no polyline");
+    shop.write("point.obj", "v 0 0 1\nl 1\nl 1 1\n");
+    refuse("--guide point.obj", "holds no polyline");
 }
 
 /// How well the edges of a flat mesh fit hexagons in rows along a direction: the mean of `-cos 6

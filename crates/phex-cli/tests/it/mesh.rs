@@ -1,5 +1,5 @@
 //! `phex mesh` and `phex planarize` from file to file.
-use crate::common::{Workshop, honeycomb};
+use crate::common::{Run, Workshop, honeycomb};
 use phex_mesh::HexMesh;
 use phex_mesh::io::read_soup;
 
@@ -439,6 +439,34 @@ fn check_judges_by_what_the_run_promised() {
         .refuses(4, &["dome.obj", "changed", "--surface"]);
 }
 
+/// A file of the same name in the folder where `check` runs is not the one that the report means.
+#[test]
+fn the_files_of_a_report_are_looked_for_where_it_lies() {
+    let shop = dome();
+    shop.succeed("mesh dome.obj -o a.obj -n 60 --report run.json --write-target smooth.obj");
+    shop.write("b/dome.obj", honeycomb(2, 2, |_, p| p));
+    shop.write("b/smooth.obj", honeycomb(2, 2, |_, p| p));
+    let check = |arguments: &str, folder: &str| -> Run {
+        let mut command = shop.command(arguments);
+        command.current_dir(shop.path(folder));
+        command.output().unwrap().into()
+    };
+    let there = check("check ../a.obj --report-of ../run.json", "b");
+    assert_eq!(there.code, Some(0), "{}{}", there.stdout, there.stderr);
+    let here = check("check a.obj --report-of run.json", ".").stdout;
+    let deviation = |told: &str| {
+        let line = told.lines().find(|line| line.starts_with("deviation"));
+        line.unwrap().to_owned()
+    };
+    assert_eq!(deviation(&there.stdout), deviation(&here));
+    // The report lies below the folder of the run, and another surface beside it.
+    shop.write("b/run.json", shop.read("run.json"));
+    shop.succeed("check a.obj --report-of b/run.json");
+    shop.write("smooth.obj", honeycomb(2, 2, |_, p| p));
+    let changed = check("check a.obj --report-of run.json", ".");
+    changed.refuses(4, &["smooth.obj", "changed", "--surface"]);
+}
+
 /// A draft is judged as any mesh is, and the report says how much was tried.
 #[test]
 fn effort_says_how_much_is_tried() {
@@ -466,6 +494,8 @@ fn a_run_may_end_after_the_layout() {
     let shop = Workshop::new();
     shop.succeed("shape wave -o wave.obj --triangles 2000");
     let told = shop.succeed("mesh wave.obj -o flat.obj -n 60 --until layout --report run.json");
+    let row = format!("{:<12} ", "layout");
+    assert!(told.stdout.contains(&row), "{}", told.stdout);
     assert!(
         told.stdout.contains("neither planar nor checked"),
         "{}",
@@ -476,6 +506,8 @@ fn a_run_may_end_after_the_layout() {
     assert_ne!(report["verdict"], "pass");
     shop.phex("check flat.obj").refuses(3, &[]);
     shop.succeed("mesh wave.obj -o wall.obj -n 60 --until layout --method brick-wall");
+    shop.phex("mesh wave.obj -o no.obj -n 60 --until layout --method best")
+        .refuses(4, &["`method best` has no effect with `until layout`"]);
     shop.phex("mesh wave.obj -o no.obj --until layout --method tangent-planes")
         .refuses(4, &["only `lattice` and `brick-wall`"]);
     shop.phex(

@@ -108,25 +108,32 @@ fn a_layer_that_is_one_point_is_told_without_a_figure() {
 #[test]
 fn a_distance_for_each_face() {
     let shop = with_cuboid();
-    shop.write("d.txt", "0.1\n0\n0 0 0 0\n");
+    shop.write("d.txt", "# the lid\n0.1\n0\n0\n0\n0\n0\n");
     shop.succeed("offset m.obj --face-distances d.txt -o layers");
     let moved = coordinates(&shop, "layers/layer_faces.obj");
     let before = coordinates(&shop, "m.obj");
     let changed = moved.iter().zip(&before).filter(|(a, b)| a != b).count();
     assert_eq!(changed, 4, "four corners go down");
-    shop.write("few.txt", "0.1 0.2");
+    shop.write("few.txt", "0.1\n0.2");
     refused(
         &shop,
         "offset m.obj --face-distances few.txt -o other",
         4,
         &["2 distances", "6 faces"],
     );
-    shop.write("word.txt", "0.1 zero");
+    shop.write("two.txt", "0.1 0\n0 0\n0 0\n");
+    refused(
+        &shop,
+        "offset m.obj --face-distances two.txt -o other",
+        4,
+        &["two.txt:1", "one number is wanted on each line"],
+    );
+    shop.write("word.txt", "0.1\nzero");
     refused(
         &shop,
         "offset m.obj --face-distances word.txt -o other",
         4,
-        &["word.txt", "number 2", "zero"],
+        &["word.txt:2", "zero"],
     );
 }
 

@@ -90,7 +90,19 @@ fn points_are_met_to_the_last_digit_and_an_earlier_mesh_is_taken_up() {
         "[steering]\nfix = 'IDS'\ncloseness = 4\n"
             .replace("IDS", &shop.path("ids.txt").display().to_string()),
     );
-    shop.succeed("mesh hill.obj -o again.obj --start held.obj --config job.toml");
+    shop.succeed(
+        "mesh hill.obj -o again.obj --start held.obj --config job.toml --report again.json",
+    );
+    let report = shop.json("again.json");
+    let [surface, start] = [0, 1].map(|i| &report["inputs"][i]);
+    assert_eq!(
+        (&surface["path"], &start["path"]),
+        (&"hill.obj".into(), &"held.obj".into())
+    );
+    assert_eq!(report["settings"]["panels"], start["faces"]);
+    // It asks for no number of panels where there are some.
+    shop.phex("mesh hill.obj -o tight.obj --start held.obj --max-edge 1mm")
+        .ends_well("a limit that the earlier mesh does not meet");
     let again = read(&shop, "again.obj");
     assert_eq!(again.len(), held.len());
     assert_eq!((again[0], again[7]), (held[0], held[7]));
@@ -98,6 +110,13 @@ fn points_are_met_to_the_last_digit_and_an_earlier_mesh_is_taken_up() {
     shop.succeed("planarize held.obj -o flat.obj --surface hill.obj --refit --config job.toml");
     let flat = read(&shop, "flat.obj");
     assert_eq!((flat[0], flat[7]), (held[0], held[7]));
+    shop.write("unit.toml", "unit = 'mm'\n");
+    for (typed, unit) in [("", "mm"), (" --unit ft", "ft")] {
+        shop.succeed(&format!(
+            "planarize held.obj -o flat.obj --config unit.toml --report flat.json{typed}"
+        ));
+        assert_eq!(shop.json("flat.json")["unit"], unit);
+    }
     shop.phex("mesh hill.obj -o no.obj -n 60 --fix ids.txt")
         .refuses(4, &["--fix", "no numbers"]);
 }

@@ -39,7 +39,7 @@ pub use compas::{FaceAttributes, compas_json};
 pub use dxf::DxfDrawing;
 pub use error::{FilePlace, ReadCause, ReadError, UnknownExtension, WriteCause, WriteError};
 pub use hex_mesh::{HexMeshError, HexMeshReadError};
-pub use obj::obj_of_objects;
+pub use obj::{logical_lines, obj_of_objects};
 pub use stl::fits_stl;
 pub use surface::SurfaceReadError;
 pub use text::shown;

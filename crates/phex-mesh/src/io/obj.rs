@@ -91,9 +91,9 @@ impl ObjFile {
     }
 }
 
-/// Lines without comments, joined where one ends in a backslash, with the number of their first
-/// line.
-fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
+/// Lines of an OBJ file without comments, joined where one ends in a backslash, with the number of
+/// their first line.
+pub fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     let mut lines = text.lines().map(without_comment).enumerate();
     std::iter::from_fn(move || {
         let (number, first) = lines.next()?;

@@ -196,6 +196,20 @@ fn narrowed(
     }
 }
 
+/// Pairs of layers that follow one another by their distances, the lower one first; a single layer
+/// makes a pair with the mesh.
+pub fn successive<'a>(
+    mesh: &'a HexMesh,
+    layers: impl IntoIterator<Item = (f64, &'a HexMesh)>,
+) -> Vec<[&'a HexMesh; 2]> {
+    let mut all: Vec<(f64, &HexMesh)> = layers.into_iter().collect();
+    if all.len() == 1 {
+        all.insert(0, (0.0, mesh));
+    }
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    all.windows(2).map(|pair| [pair[0].1, pair[1].1]).collect()
+}
+
 /// A positive length with five digits, never more than it is.
 pub fn rounded_down(length: f64) -> f64 {
     if length <= 0.0 || !length.is_finite() {
@@ -212,7 +226,22 @@ pub fn rounded_down(length: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::rounded_down;
+    use super::{rounded_down, successive};
+    use crate::classical::goldberg;
+    use std::ptr::eq;
+
+    #[test]
+    fn layers_follow_one_another_by_distance() {
+        let [mesh, inner, outer] = [(); 3].map(|()| goldberg(1, 0).unwrap().mesh);
+        let is = |found: &[[&phex_mesh::HexMesh; 2]], lower, upper| {
+            found.len() == 1 && eq(found[0][0], lower) && eq(found[0][1], upper)
+        };
+        assert!(is(&successive(&mesh, [(-0.1, &inner)]), &inner, &mesh));
+        assert!(is(&successive(&mesh, [(0.1, &outer)]), &mesh, &outer));
+        assert!(is(&successive(&mesh, [(0.0, &outer)]), &mesh, &outer));
+        let both = successive(&mesh, [(0.1, &outer), (-0.1, &inner)]);
+        assert!(is(&both, &inner, &outer), "the mesh itself is no layer");
+    }
 
     #[test]
     fn five_digits_and_never_more() {

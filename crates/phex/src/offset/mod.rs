@@ -89,6 +89,7 @@ pub use gauss_image::{GaussImage, OffsetKind, TurnedEdge};
 pub use inheritance::Inheritance;
 pub use layers::{
     SafeDistance, SafeDistances, layer, rounded_down, safe_distances, safe_distances_up_to,
+    successive,
 };
 pub use null_space::Rank;
 pub use options::OffsetOptions;

@@ -47,6 +47,9 @@ pub struct OutputFile {
     pub content: &'static str,
     /// Path as it was given.
     pub path: String,
+    /// SHA-256 of its bytes, hexadecimal, of a file by which the mesh can be judged again.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sha256: Option<String>,
 }
 
 /// How long a stage took.

@@ -1,6 +1,5 @@
 //! What lies between two layers: solid panels, beams, nodes.
 
-use super::OffsetLayer;
 use crate::commands::in_unit;
 use crate::exit::{Exit, Failure, OrExit};
 use phex::offset::{OffsetError, PanelSolid, beam_axes, joined, node_axes, panel_solids};
@@ -8,41 +7,16 @@ use phex_job::Unit;
 use phex_mesh::{HexMesh, PolygonSoup, Vec3};
 use std::fmt::Write as _;
 
-/// Two layers, the second on the side of the normals.
-pub(super) struct Pair<'a> {
-    lower: &'a HexMesh,
-    upper: &'a HexMesh,
-}
-
-impl<'a> Pair<'a> {
-    /// Successive layers, in ascending order; a single layer makes a pair with the mesh.
-    pub fn successive(mesh: &'a HexMesh, layers: &'a [OffsetLayer]) -> Vec<Self> {
-        match layers {
-            [only] if only.distance < 0.0 => vec![Self {
-                lower: &only.mesh,
-                upper: mesh,
-            }],
-            [only] => vec![Self {
-                lower: mesh,
-                upper: &only.mesh,
-            }],
-            _ => {
-                let pair = |w: &'a [OffsetLayer]| Self {
-                    lower: &w[0].mesh,
-                    upper: &w[1].mesh,
-                };
-                layers.windows(2).map(pair).collect()
-            }
-        }
-    }
-}
-
 /// All solids of a pair, and the sum of their volumes.
 ///
 /// # Errors
 /// If the gap is too wide, or a panel has no volume.
-pub(super) fn solids(pair: &Pair<'_>, gap: f64, unit: Unit) -> Result<(PolygonSoup, f64), Failure> {
-    let solids = panel_solids(pair.lower, pair.upper, gap);
+pub(super) fn solids(
+    [lower, upper]: [&HexMesh; 2],
+    gap: f64,
+    unit: Unit,
+) -> Result<(PolygonSoup, f64), Failure> {
+    let solids = panel_solids(lower, upper, gap);
     let solids = solids.map_err(|error| match error {
         OffsetError::Gap { .. } => in_unit(error, unit),
         error => Failure::new(Exit::NoValidResult, error),
@@ -52,9 +26,9 @@ pub(super) fn solids(pair: &Pair<'_>, gap: f64, unit: Unit) -> Result<(PolygonSo
 }
 
 /// The beams of a pair, one a line.
-pub(super) fn beam_table(pair: &Pair<'_>) -> Result<String, Failure> {
+pub(super) fn beam_table([lower, upper]: [&HexMesh; 2]) -> Result<String, Failure> {
     let mut text = "edge,from,to,x0,y0,z0,x1,y1,z1,length,nx,ny,nz,torsion_degrees\n".to_owned();
-    for beam in beam_axes(pair.lower, pair.upper).or_exit(Exit::Internal)? {
+    for beam in beam_axes(lower, upper).or_exit(Exit::Internal)? {
         let [from, to] = beam.vertices.map(|v| v.index());
         let [a, b] = beam.ends;
         let _ = writeln!(
@@ -72,9 +46,9 @@ pub(super) fn beam_table(pair: &Pair<'_>) -> Result<String, Failure> {
 }
 
 /// The nodes of a pair, one a line.
-pub(super) fn node_table(pair: &Pair<'_>) -> Result<String, Failure> {
+pub(super) fn node_table([lower, upper]: [&HexMesh; 2]) -> Result<String, Failure> {
     let mut text = "vertex,x,y,z,axis_x,axis_y,axis_z,length\n".to_owned();
-    for node in node_axes(pair.lower, pair.upper).or_exit(Exit::Internal)? {
+    for node in node_axes(lower, upper).or_exit(Exit::Internal)? {
         let _ = writeln!(
             text,
             "{},{},{},{}",

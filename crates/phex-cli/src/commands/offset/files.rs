@@ -1,10 +1,11 @@
 //! The files of `phex offset`: their names, and what stands in them.
 
-use super::between::{Pair, beam_table, node_table, solids};
+use super::between::{beam_table, node_table, solids};
 use super::{Base, OffsetJob, OffsetLayer};
 use crate::exit::{Exit, Failure, OrExit};
 use crate::offset_arguments::OffsetCommand;
 use crate::output_folder::{Extent, NamedFile, OutputFolder};
+use phex::offset::successive;
 use phex_job::Content;
 use phex_mesh::PolygonSoup;
 use phex_mesh::io::{Format, write_soup_to};
@@ -151,9 +152,9 @@ impl Files {
         for layer in layers {
             bodies.push(("layer", FileBody::Mesh(layer.mesh.to_soup()), None));
         }
-        let pairs = Pair::successive(&base.mesh, layers);
+        let pairs = successive(&base.mesh, layers.iter().map(|l| (l.distance, &l.mesh)));
         if command.solids {
-            for pair in &pairs {
+            for &pair in &pairs {
                 let (soup, volume) = solids(pair, job.gap, command.unit)?;
                 bodies.push(("solids", FileBody::Mesh(soup), Some(volume)));
             }
@@ -166,10 +167,10 @@ impl Files {
             bodies.push(("mesh", FileBody::Mesh(base.mesh.to_soup()), None));
         }
         if command.beams {
-            for pair in &pairs {
+            for &pair in &pairs {
                 bodies.push(("beams", FileBody::Text(beam_table(pair)?), None));
             }
-            for pair in &pairs {
+            for &pair in &pairs {
                 bodies.push(("nodes", FileBody::Text(node_table(pair)?), None));
             }
         }

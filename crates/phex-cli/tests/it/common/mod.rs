@@ -30,7 +30,10 @@ impl Workshop {
     }
 
     pub fn write(&self, name: &str, content: impl AsRef<[u8]>) {
-        std::fs::write(self.path(name), content).expect("a writable folder");
+        let path = self.path(name);
+        let folder = path.parent().expect("a folder");
+        std::fs::create_dir_all(folder).expect("a writable folder");
+        std::fs::write(path, content).expect("a writable folder");
     }
 
     pub fn read(&self, name: &str) -> Vec<u8> {
