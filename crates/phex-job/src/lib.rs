@@ -59,7 +59,10 @@ pub use error::{JobError, chain};
 pub use file_info::{ComponentInfo, FileInfo, ProblemPlace};
 pub use given::Given;
 pub use guides::GuideSettings;
-pub use input::{MeshFile, NumberLine, number, read_numbers, read_polylines, read_text, sha256};
+pub use input::{
+    MeshFile, NumberLine, edges_by_vertices, number, read_numbers, read_polylines, read_text,
+    sha256,
+};
 pub use limits::{TypedLimits, check_distances};
 pub use number_lists::{finite, ten, three};
 pub use output::in_file;

@@ -13,7 +13,7 @@ use phex_html::{SheetKind, contact_file};
 use phex_job::{
     AtBoundary, Content, Given, JobError, JobResult, LastStage, MeshFile, MeshJob, MeshSettings,
     OutputPaths, Planarization, Quantity, SteeringSettings, TimeLimit, TypedLimits, Unit, WayShown,
-    chain, time_limit, ways, without_crumbs,
+    chain, edges_by_vertices, time_limit, ways, without_crumbs,
 };
 use phex_mesh::{EdgeId, HexMesh, LARGEST_COORDINATE, TriangleSurface};
 use phex_picture::ContactTile;
@@ -650,11 +650,11 @@ fn with_lengths(
 ) -> Result<Answer, JobError> {
     let (space, topology) = (space(mesh)?, mesh.topology());
     let mut wish = space.lengths(mesh);
+    let edges = edges_by_vertices(topology);
     for (k, &(from, to, length)) in request.lengths.iter().enumerate() {
-        let ends = |e: &EdgeId| topology.edge_vertices(*e).map(|v| v.index());
-        let edge = (topology.edges()).find(|e| [[from, to], [to, from]].contains(&ends(e)));
+        let edge = edges.get(&(from.min(to), from.max(to)));
         let told = || JobError::Input(format!("lengths: entry {k}: no edge joins {from} and {to}"));
-        wish[edge.ok_or_else(told)?] = length;
+        wish[*edge.ok_or_else(told)?] = length;
     }
     let lengths = space.project_lengths(&wish);
     let misses = wish.iter().zip(&lengths).map(|(w, l)| (w - l).abs());
