@@ -225,6 +225,15 @@ def test_a_warm_start_moves_what_it_is_told(ball, sphere):
     assert len(again) == len(ball)
 
 
+def test_planarize_sews_panels_that_have_corners_of_their_own(ball):
+    corners = np.concatenate([ball.vertices[face] for face in ball.faces])
+    ends = np.cumsum([len(face) for face in ball.faces])
+    loose = (corners, [np.arange(end - len(face), end) for face, end in zip(ball.faces, ends)])
+    flat = phex.planarize(loose)
+    assert len(flat.vertices) == len(ball.vertices) and len(flat) == len(ball)
+    assert "joined" in flat.report["notes"][0]
+
+
 def test_a_mesh_is_judged_again_as_its_run_was(roof, program, tmp_path):
     roof.save("roof.obj")
     words = [program, "mesh", "roof.obj", "-n", "60", "--boundary", "snap", "--max-deviation", "3%"]

@@ -325,7 +325,8 @@ pub fn planarized(
     inputs: Inputs,
     progress: &dyn Progress,
 ) -> Result<Answer, JobError> {
-    let (start, surface) = (inputs.panels()?, inputs.surface()?);
+    let (start, notes) = inputs.first()?.sewn_polygon_mesh()?;
+    let surface = inputs.surface()?;
     let limits = request.limits.limits(surface.is_some())?;
     let typed = MeshSettings {
         steering: request.steering,
@@ -357,6 +358,7 @@ pub fn planarized(
     );
     report.settings =
         json!({ "optimise": how.options, "steering": how.steering, "refit": how.refit });
+    report.notes.extend(notes);
     reached.describe(&mut report);
     answer(KeptResult {
         mesh: reached.mesh,
