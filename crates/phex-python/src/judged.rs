@@ -150,6 +150,8 @@ pub struct MeshRequest {
 struct AskedOptions {
     settings: MeshSettings,
     given: GivenValues,
+    /// Whether there are sizes in memory.
+    size_field: bool,
     keep_best: bool,
     time_limit: bool,
 }
@@ -162,7 +164,10 @@ impl AskedOptions {
         whole: &MeshSettings,
         has_start: bool,
     ) -> Result<(), JobError> {
-        let mut given = Given::default();
+        let mut given = Given {
+            size_field: self.size_field.then(Vec::new),
+            ..Given::default()
+        };
         self.given.add_to(&mut given)?;
         let others = [
             ("time-limit", self.time_limit),
@@ -170,7 +175,7 @@ impl AskedOptions {
         ];
         self.settings.check_until(until, whole, &given, &others)?;
         match has_start {
-            true => self.settings.check_start(),
+            true => self.settings.check_start(&given),
             false => Ok(()),
         }
     }
