@@ -371,6 +371,28 @@ def test_explore_finds_and_goes_on(dome):
         assert row["out:status"] == "pass" and row["out:deviation"] <= 4.0
     with pytest.raises(phex.InputError, match="objectives"):
         phex.explore(space, ["panels"], out="search", trials=10)
+    limits = {"deviation": (None, 4.0)}
+    for other, more in ((["panels", ("deviation", "max")], limits), (aims, {}), (["panels", "clearance"], limits)):
+        with pytest.raises(phex.InputError, match="other objectives or constraints"):
+            phex.explore(space, other, out="search", trials=10, constraints=more)
+
+
+def test_explore_keeps_its_workers_and_says_how_long_it_takes(dome, monkeypatch):
+    pytest.importorskip("optuna")
+    from phex import _studies
+
+    begun, heard = [], []
+    pool = _studies.ProcessPoolExecutor
+    monkeypatch.setattr(_studies, "ProcessPoolExecutor", lambda *how: begun.append(how) or pool(*how))
+    space = {"surface": dome, "panels": phex.Between(40, 60), "effort": "draft", "max_deviation": "5%"}
+    phex.explore(
+        space, ["panels"], out="search", trials=4, batch=2, workers=1, progress=lambda e: heard.append(e)
+    )
+    assert len(begun) == 1 and children(os.getpid()) == []
+    left = [event["left_seconds"] for event in heard]
+    assert left[0] > 0.0 and left[-1] == 0.0
+    with pytest.raises(phex.InputError, match="retries"):
+        phex.explore(space, ["panels"], out="search", trials=4, retries=-1)
 
 
 def test_columns_that_no_study_has_are_named(solved, dome):

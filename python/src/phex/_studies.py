@@ -346,6 +346,7 @@ def sweep(
     try:
         rows = _solved(jobs, folder, engine, whole("retries", retries, 1000), hear)
     finally:
+        engine.close()
         close(hear)
     return Study(rows, folder)
 
@@ -625,7 +626,7 @@ def _engine(executor: Any, workers: Optional[int], threads: int) -> _Engine:
 def _solved(
     jobs: List[Dict[str, Any]], folder: str, engine: _Engine, retries: int, hear: Any
 ) -> List[Row]:
-    """The rows of jobs, in their order."""
+    """The rows of jobs, in their order; the engine is ready for more."""
     rows: List[Optional[Row]] = _known(jobs, folder)
     todo = [k for k, row in enumerate(rows) if row is None]
     begun, ended = time.monotonic(), 0
@@ -639,7 +640,6 @@ def _solved(
     except BaseException:
         engine.stop()
         raise
-    engine.close()
     return [row for row in rows if row is not None]
 
 
