@@ -619,6 +619,18 @@ async function aSurfaceThatIsGoneIsTold() {
   await leave(page);
 }
 
+/** Views can be chosen of a surface without a result, in another language, too. */
+async function viewsStayInAnotherLanguage() {
+  const page = await visit();
+  await drop(page, "roof.obj", readFileSync(roof));
+  await page.waitForSelector(".surface-facts .name");
+  await studio(page, "(s) => s.stop()");
+  await page.click('[data-act="language"]');
+  assert.equal(await studio(page, "(s) => s.result"), null);
+  assert.equal(await page.locator('[data-part="views"] button').last().textContent(), "Einpassen");
+  await leave(page);
+}
+
 const TESTS = [
   aFileIsDropped,
   theSliderShowsALattice,
@@ -638,6 +650,7 @@ const TESTS = [
   theKeyboardIsEnough,
   whatIsChosenStays,
   aSurfaceThatIsGoneIsTold,
+  viewsStayInAnotherLanguage,
   windowsOfAnySize,
   theProgramIsKilled,
 ];

@@ -693,7 +693,7 @@ export class Studio {
     const words = Object.entries(entry.job).filter(([, value]) => typeof value !== "object");
     const said = words.map(([name, value]) => `${name} ${value}`);
     const tables = Object.entries(entry.job).filter(([, value]) => typeof value === "object");
-    said.push(...tables.map(([name]) => say(name === "stages" ? "with lines and points" : name === "limits" ? "with limits" : "with dials")));
+    said.push(...tables.map(([name]) => say(name === "stages" || name === "guides" ? "with lines and points" : name === "limits" ? "with limits" : "with dials")));
     return said.join(", ") || say("defaults");
   }
 
@@ -855,6 +855,7 @@ export class Studio {
     this.parts("views").replaceChildren();
     this.fill();
     if (this.result) this.view.showResult(this.result.view);
+    else if (this.surface) this.view.buildViews();
   }
 
   private chooseTheme(theme: Theme, told = false): void {
