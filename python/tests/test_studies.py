@@ -137,6 +137,7 @@ def test_samples_fill_the_space_and_repeat(dome):
         ({"surface": "no.obj", "pannels": 3}, {}, "pannels"),
         ({"surface": "no.obj", "output": "x"}, {}, "output"),
         ({"surface": "no.obj", "panels": []}, {}, "empty"),
+        ({"surface": "no.obj", "threads": [1, 2]}, {}, "beside the space"),
         ({"surface": "no.obj", "panels": phex.Between(1, 5)}, {}, "range"),
         ({"surface": "no.obj", "panels": phex.Between(5, 5)}, {"sample": "random", "count": 2}, "range"),
         ({"surface": "no.obj", "panels": float("nan")}, {}, "panels"),

@@ -162,7 +162,13 @@ impl StudyFile {
 /// The settings that a table of the file gives.
 fn settings_of(table: &str, settings: &Map<String, Value>) -> Result<MeshSettings, JobError> {
     let told = |e| JobError::Input(format!("[{table}]: {e}"));
-    MeshSettings::from_json(json!(settings)).map_err(told)
+    let made = MeshSettings::from_json(json!(settings)).map_err(told)?;
+    match made.threads {
+        None => Ok(made),
+        Some(_) => Err(JobError::Input(format!(
+            "[{table}]: `threads` has no effect in a study: leave it out, and give --threads"
+        ))),
+    }
 }
 
 /// A setting and its values: names of tables and the setting, each value.
@@ -383,6 +389,14 @@ mod tests {
             (
                 "[space]\nrotate = { from = 0, to = 60, count = 1 }",
                 "space: `rotate`: count = 1: it is a whole number from 2 to 10000000",
+            ),
+            (
+                "[settings]\nthreads = 7",
+                "[settings]: `threads` has no effect in a study: leave it out, and give --threads",
+            ),
+            (
+                "[space]\nthreads = [1, 2]",
+                "[space]: `threads` has no effect",
             ),
             (
                 "[space]\nrotate = { from = 0, to = 60 }",

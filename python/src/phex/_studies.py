@@ -415,6 +415,8 @@ def _axes(space: Any) -> Dict[str, Any]:
     for name, values in space.items():
         if name != "surface" and (name not in _options.MESH or name in _options.NO_SETTINGS):
             raise InputError(f"space: {shown(name)} is not `surface`, and no setting of phex.mesh")
+        if name == "threads":
+            raise InputError("space: `threads` has no effect on a variant: give it beside the space")
         if isinstance(values, Between):
             low, high = real(name, values.low), real(name, values.high)
             if name == "surface" or low >= high:
