@@ -107,12 +107,11 @@ fn row_of(
     key: &str,
     watch: &Watch<'_>,
 ) -> Result<Row, JobError> {
-    let unit = variant.settings.unit();
     let mut told = row(variant, key, &Ending::of_report(&made.report));
-    add_figures(&mut told, made, unit);
+    add_figures(&mut told, made);
     let is_cut = made.report.assessment.verdict != Verdict::Invalid;
     if let Some(workshop) = variant.workshop.as_ref().filter(|_| is_cut) {
-        add_workshop(&mut told, workshop, &made.mesh, unit, watch);
+        add_workshop(&mut told, workshop, made, watch);
         if watch.is_cancelled() {
             return Err(JobError::Cancelled);
         }
@@ -333,5 +332,18 @@ mod tests {
         let row = solve(&variant, folder.path(), &free, &Silent).unwrap();
         assert_eq!(row["out:status"], json!("pass"), "{row:?}");
         assert!(row.contains_key("out:sheets"), "{row:?}");
+    }
+
+    #[test]
+    fn the_workshop_takes_what_is_as_planar_as_the_settings_say() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut variant = ball(folder.path());
+        variant.workshop = serde_json::from_value(json!({ "thickness": "20mm" })).unwrap();
+        variant.settings.planarity = Some("1e-20".parse().unwrap());
+        let options = SolveOptions::default();
+        let row = solve(&variant, folder.path(), &options, &Silent).unwrap();
+        assert_eq!(row["out:reason"], json!("planarity"));
+        let told = row["out:workshop"].as_str().unwrap();
+        assert!(told.contains("planar"), "{told}");
     }
 }
