@@ -396,6 +396,13 @@ def test_explore_keeps_its_workers_and_says_how_long_it_takes(dome, monkeypatch)
         phex.explore(space, ["panels"], out="search", trials=4, retries=-1)
 
 
+def test_a_page_that_is_wanted_later_is_made(dome):
+    variant = {"surface": dome, "panels": 40, "max_deviation": "5%", "effort": "draft"}
+    first = phex.sweep([variant], out="study", workers=1)
+    again = phex.sweep([variant], out="study", workers=1, html=True)
+    assert again.rows == first.rows and len(list(pathlib.Path("study").glob("*/report.html"))) == 1
+
+
 def test_columns_that_no_study_has_are_named(solved, dome):
     for call in (
         lambda: solved.column("nope"),

@@ -50,7 +50,7 @@ pub fn solve(
 ) -> Result<Row, JobError> {
     options.limits.check()?;
     let key = variant.key()?;
-    if let Some(row) = finished(out, &key, &options.limits) {
+    if let Some(row) = finished(out, &key, options) {
         return Ok(row);
     }
     let watch = Watch::new(progress, options.limits);
@@ -119,13 +119,17 @@ fn row_of(
     Ok(told)
 }
 
-/// The row of a variant that is finished, unless limits ended it that are wider now.
-pub fn finished(out: &Path, key: &str, limits: &VariantLimits) -> Option<Row> {
-    let text = std::fs::read_to_string(out.join(key).join(RUN_FILE)).ok()?;
+/// The row of a variant that is finished, unless limits ended it that are wider now, or its mesh
+/// has no HTML report and is to have one.
+pub fn finished(out: &Path, key: &str, options: &SolveOptions) -> Option<Row> {
+    let folder = out.join(key);
+    let text = std::fs::read_to_string(folder.join(RUN_FILE)).ok()?;
     let run: RunRecord = serde_json::from_str(&text).ok()?;
     let status = run.row.get("out:status").and_then(Value::as_str);
     let is_ended = matches!(status, Some("time-limit" | "memory-limit"));
-    (!(is_ended && run.limits.is_widened_by(limits))).then_some(run.row)
+    let goes_on = is_ended && run.limits.is_widened_by(&options.limits);
+    let lacks_page = options.html && run.row.contains_key("threeD") && !folder.join(PAGE).exists();
+    (!(goes_on || lacks_page)).then_some(run.row)
 }
 
 /// What `run.json` holds.
@@ -345,5 +349,19 @@ mod tests {
         assert_eq!(row["out:reason"], json!("planarity"));
         let told = row["out:workshop"].as_str().unwrap();
         assert!(told.contains("planar"), "{told}");
+    }
+
+    #[test]
+    fn a_page_that_is_wanted_later_is_made() {
+        let folder = tempfile::tempdir().unwrap();
+        let variant = ball(folder.path());
+        let page = folder.path().join(variant.key().unwrap()).join(PAGE);
+        let mut options = SolveOptions::default();
+        let first = solve(&variant, folder.path(), &options, &Silent).unwrap();
+        assert!(!page.exists());
+        options.html = true;
+        let again = solve(&variant, folder.path(), &options, &Silent).unwrap();
+        assert!(page.exists() && first == again);
+        assert!(finished(folder.path(), &variant.key().unwrap(), &options).is_some());
     }
 }

@@ -132,10 +132,14 @@ def solve(job: Dict[str, Any]) -> Row:
     request = {
         "variant": _variant(job),
         "out": path_text(job["out"], "out"),
-        "options": {"limits": job.get("limits") or {}, "html": bool(job.get("html", False))},
+        "options": _solve_options(job),
     }
     made = run("solve", request, threads=_options.threads(job.get("threads", 1)))
     return json.loads(made["row"])  # type: ignore[no-any-return]
+
+
+def _solve_options(job: Dict[str, Any]) -> Dict[str, Any]:
+    return {"limits": job.get("limits") or {}, "html": bool(job.get("html", False))}
 
 
 def _variant(job: Dict[str, Any]) -> Dict[str, Any]:
@@ -650,7 +654,7 @@ def _known(jobs: List[Dict[str, Any]], folder: str) -> List[Optional[Row]]:
     if not jobs:
         return []
     keys = json.loads(run("keys", {"variants": [_variant(job) for job in jobs]})["keys"])
-    request = {"out": folder, "keys": keys, "limits": jobs[0]["limits"]}
+    request = {"out": folder, "keys": keys, "options": _solve_options(jobs[0])}
     return json.loads(run("finished", request)["rows"])  # type: ignore[no-any-return]
 
 
