@@ -147,6 +147,13 @@ def test_the_unit_is_that_of_the_document(made, surface, tmp_path, monkeypatch):
     assert length(Unit="cm")["unit_mm"] == 10.0
     laid = solved(at / "Mesh", Ghenv("unit"), Surface=surface, Panels=40, Run=True)["Phex"]
     assert laid._unit == "mm"
+    shell = g.offset(Ghenv("unit"), how["Mesh"], "0.01%")
+    assert shell[0].phex._unit == "mm", shell[0].report
+    for name, more in (("Check", {}), ("Planarize", {"Run": True})):
+        assert solved(at / name, Ghenv("unit"), Mesh=how["Mesh"], **more)["Phex"]._unit == "mm"
+    document.ModelUnitSystem = "Centimeters"
+    checked = solved(at / "Check", Ghenv("unit"), Mesh=laid)["Phex"]
+    assert checked._unit == "mm", "a mesh of phex keeps its unit"
     document.ModelUnitSystem = "Miles"
     told = solved(at / "Mesh", Ghenv("unit"), Surface=surface, Panels=40, Run=True)["Report"]
     assert "Miles" in told

@@ -227,6 +227,29 @@ def test_a_warm_start_moves_what_it_is_told(ball, sphere):
     assert len(again) == len(ball)
 
 
+def test_planarize_sews_panels_that_have_corners_of_their_own(ball):
+    corners = np.concatenate([ball.vertices[face] for face in ball.faces])
+    ends = np.cumsum([len(face) for face in ball.faces])
+    loose = (corners, [np.arange(end - len(face), end) for face, end in zip(ball.faces, ends)])
+    flat = phex.planarize(loose)
+    assert len(flat.vertices) == len(ball.vertices) and len(flat) == len(ball)
+    assert "joined" in flat.report["notes"][0]
+
+
+@pytest.mark.parametrize(
+    "name, value",
+    [
+        ("guide", [[(0.0, 0.0, 1.0), (1.0, 0.0, 0.0)]]),
+        ("cones", [(0.0, 0.0, 1.0, 1)]),
+        ("size_field", np.ones(1002)),
+    ],
+)
+def test_a_warm_start_refuses_arrays_that_a_layout_heeds(ball, sphere, name, value):
+    told = name.replace("_", "-")
+    with pytest.raises(phex.InputError, match=f"`{told}` has no effect with `start`"):
+        phex.mesh(sphere, start=ball, **{name: value})
+
+
 def test_a_mesh_is_judged_again_as_its_run_was(roof, program, monkeypatch):
     roof.save("roof.obj")
     words = [program, "mesh", "roof.obj", "-n", "60", "--boundary", "snap", "--max-deviation", "3%"]

@@ -137,6 +137,7 @@ def test_samples_fill_the_space_and_repeat(dome):
         ({"surface": "no.obj", "pannels": 3}, {}, "pannels"),
         ({"surface": "no.obj", "output": "x"}, {}, "output"),
         ({"surface": "no.obj", "panels": []}, {}, "empty"),
+        ({"surface": "no.obj", "threads": [1, 2]}, {}, "beside the space"),
         ({"surface": "no.obj", "panels": phex.Between(1, 5)}, {}, "range"),
         ({"surface": "no.obj", "panels": phex.Between(5, 5)}, {"sample": "random", "count": 2}, "range"),
         ({"surface": "no.obj", "panels": float("nan")}, {}, "panels"),
@@ -371,6 +372,35 @@ def test_explore_finds_and_goes_on(dome):
         assert row["out:status"] == "pass" and row["out:deviation"] <= 4.0
     with pytest.raises(phex.InputError, match="objectives"):
         phex.explore(space, ["panels"], out="search", trials=10)
+    limits = {"deviation": (None, 4.0)}
+    for other, more in ((["panels", ("deviation", "max")], limits), (aims, {}), (["panels", "clearance"], limits)):
+        with pytest.raises(phex.InputError, match="other objectives or constraints"):
+            phex.explore(space, other, out="search", trials=10, constraints=more)
+
+
+def test_explore_keeps_its_workers_and_says_how_long_it_takes(dome, monkeypatch):
+    pytest.importorskip("optuna")
+    from phex import _studies
+
+    begun, heard = [], []
+    pool = _studies.ProcessPoolExecutor
+    monkeypatch.setattr(_studies, "ProcessPoolExecutor", lambda *how: begun.append(how) or pool(*how))
+    space = {"surface": dome, "panels": phex.Between(40, 60), "effort": "draft", "max_deviation": "5%"}
+    phex.explore(
+        space, ["panels"], out="search", trials=4, batch=2, workers=1, progress=lambda e: heard.append(e)
+    )
+    assert len(begun) == 1 and children(os.getpid()) == []
+    left = [event["left_seconds"] for event in heard]
+    assert left[0] > 0.0 and left[-1] == 0.0
+    with pytest.raises(phex.InputError, match="retries"):
+        phex.explore(space, ["panels"], out="search", trials=4, retries=-1)
+
+
+def test_a_page_that_is_wanted_later_is_made(dome):
+    variant = {"surface": dome, "panels": 40, "max_deviation": "5%", "effort": "draft"}
+    first = phex.sweep([variant], out="study", workers=1)
+    again = phex.sweep([variant], out="study", workers=1, html=True)
+    assert again.rows == first.rows and len(list(pathlib.Path("study").glob("*/report.html"))) == 1
 
 
 def test_columns_that_no_study_has_are_named(solved, dome):

@@ -41,11 +41,10 @@ pub fn keep_best() {
     KEEPS_BEST.store(true, Ordering::Relaxed);
 }
 
-/// The computation has ended: from now on an interruption ends the program. Tells whether there was
-/// one.
-pub fn take_interruption() -> bool {
+/// The computation has ended: from now on an interruption ends the program.
+pub fn take_interruption() {
     KEEPS_BEST.store(false, Ordering::Relaxed);
-    INTERRUPTED.swap(false, Ordering::Relaxed)
+    INTERRUPTED.store(false, Ordering::Relaxed);
 }
 
 /// Runs `write` such that an interruption waits for its end.

@@ -60,14 +60,12 @@ impl MeshSettings {
             Some(CloseTo::Facets) => &fitted,
             _ => &bounded,
         };
-        let (s, guides) = (&self.steering, &self.guides);
+        let s = &self.steering;
         let dials = match s.holds() || !given.steering.is_empty() {
             true => LayoutMethod::ALL.as_slice(),
             false => &fitted,
         };
-        let cones = guides.cones.is_some() || !given.guides.cones.is_empty();
-        let lines = guides.guide.is_some() || !given.guides.lines.is_empty();
-        let sizes = self.size_field.is_some() || given.size_field.is_some();
+        let [cones, lines, sizes] = self.guided(given);
         let snaps = self.boundary == Some(AtBoundary::Snap);
         let all: [(_, _, &[LayoutMethod]); 23] = [
             ("effort", self.effort.is_some(), &[Lattice]),
@@ -75,7 +73,7 @@ impl MeshSettings {
             ("rotate", self.rotate.is_some(), &turned),
             ("cones", cones, &directed),
             ("guide", lines, &ON_LATTICE),
-            ("crease", guides.crease.is_some(), &ON_LATTICE),
+            ("crease", self.guides.crease.is_some(), &ON_LATTICE),
             ("adaptive", self.adaptive.is_some(), &ON_LATTICE),
             ("size-field", sizes, &ON_LATTICE),
             ("boundary", self.boundary.is_some(), &bounded),
@@ -96,6 +94,15 @@ impl MeshSettings {
         ];
         let set = all.into_iter().filter(|(_, set, _)| *set);
         set.map(|(option, _, by)| (option, by.to_vec())).collect()
+    }
+
+    /// Whether there are cones, lines and sizes, in files or in memory.
+    fn guided(&self, given: &Given) -> [bool; 3] {
+        [
+            self.guides.cones.is_some() || !given.guides.cones.is_empty(),
+            self.guides.guide.is_some() || !given.guides.lines.is_empty(),
+            self.size_field.is_some() || given.size_field.is_some(),
+        ]
     }
 
     /// The methods that end with the optimiser; that of tangent planes does where vertices are held
@@ -135,12 +142,16 @@ impl MeshSettings {
         none_idle(&idle, "`until layout`, which ends before panels are planar")
     }
 
-    /// Refuses options that were typed and have no effect where an earlier mesh is taken up.
+    /// Refuses options that were typed (or are `given`) and have no effect where an earlier mesh is
+    /// taken up.
     ///
     /// # Errors
     /// All of them that are set.
-    pub fn check_start(&self) -> Result<(), JobError> {
-        none_idle(&self.idle_on_start(), "`start`, which lays nothing out")
+    pub fn check_start(&self, given: &Given) -> Result<(), JobError> {
+        none_idle(
+            &self.idle_on_start(given),
+            "`start`, which lays nothing out",
+        )
     }
 
     /// The options that are set and mean nothing where panels are laid out and no more. Limits of
@@ -190,7 +201,8 @@ impl MeshSettings {
 
     /// The options that are set and mean nothing where an earlier mesh is taken up: nothing is laid
     /// out.
-    pub(crate) fn idle_on_start(&self) -> Vec<&'static str> {
+    pub(crate) fn idle_on_start(&self, given: &Given) -> Vec<&'static str> {
+        let [cones, lines, sizes] = self.guided(given);
         let laid_out = [
             ("panels", self.panels.is_some()),
             ("edge-length", self.edge_length.is_some()),
@@ -203,12 +215,12 @@ impl MeshSettings {
             ("regular", self.regular),
             ("rotate", self.rotate.is_some()),
             ("adaptive", self.adaptive.is_some()),
-            ("size-field", self.size_field.is_some()),
+            ("size-field", sizes),
             ("boundary", self.boundary.is_some()),
             ("symmetry", self.symmetry.is_some()),
-            ("guide", self.guides.guide.is_some()),
+            ("guide", lines),
             ("crease", self.guides.crease.is_some()),
-            ("cones", self.guides.cones.is_some()),
+            ("cones", cones),
             ("seed", self.seed.is_some()),
         ];
         those_set(laid_out).collect()

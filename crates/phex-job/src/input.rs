@@ -6,10 +6,11 @@ use phex_mesh::io::{
     Format, ReadCause, ReadError, logical_lines, other_elements, parse_soup, shown,
 };
 use phex_mesh::{
-    HexMesh, LARGEST_COORDINATE, OtherElements, PolygonSoup, SurfaceNotes, SurfaceParts,
-    TriangleSurface, Vec3,
+    EdgeId, HexMesh, LARGEST_COORDINATE, OtherElements, PolygonSoup, SurfaceNotes, SurfaceParts,
+    Topology, TriangleSurface, Vec3,
 };
 use sha2::{Digest, Sha256};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -319,6 +320,15 @@ fn polyline<'a>(
         format!("`{}` is none of the {count} points so far", shown(w))
     };
     words.map(|w| index(w).ok_or_else(|| none(w))).collect()
+}
+
+/// Edges by the numbers of their vertices, the smaller one first.
+pub fn edges_by_vertices(topology: &Topology) -> HashMap<(usize, usize), EdgeId> {
+    let ends = |e| {
+        let [a, b] = topology.edge_vertices(e).map(|v| v.index());
+        (a.min(b), a.max(b))
+    };
+    topology.edges().map(|e| (ends(e), e)).collect()
 }
 
 #[cfg(test)]

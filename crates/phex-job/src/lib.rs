@@ -6,12 +6,12 @@
 //! |---|---|
 //! | `settings`, `steering`, `guides`, `panel_limits` | what is wanted, by the names of options and job files |
 //! | `command_line` | a job as it is typed |
-//! | `units`, `number_lists` | lengths, areas and lists of numbers as they are typed |
+//! | `units`, `sheet`, `number_lists` | lengths, areas and lists of numbers as they are typed |
 //! | `input`, `toml_text`, `given` | what files hold, or a caller's memory |
 //! | `file_info` | what is in a file, and what is wrong with it |
 //! | `suggestion` | what kind of surface one is, and how many panels suit it |
-//! | `effects`, `panel_size`, `size_field` | whether that makes sense |
-//! | `run`, `join`, `engine`, `deadline`, `surface_session` | the computation |
+//! | `effects`, `panel_size`, `hexagon`, `size_field` | whether that makes sense |
+//! | `run`, `crumbs`, `join`, `engine`, `deadline`, `threads` | the computation |
 //! | `output`, `output_paths` | in which unit files hold meshes; whether files can be written |
 //! | `limits`, `wishes`, `portfolio`, `ways` | what was reached, measured by what was wanted |
 //! | `whole_run` | how much is done |
@@ -59,7 +59,10 @@ pub use error::{JobError, chain};
 pub use file_info::{ComponentInfo, FileInfo, ProblemPlace};
 pub use given::Given;
 pub use guides::GuideSettings;
-pub use input::{MeshFile, NumberLine, number, read_numbers, read_polylines, read_text, sha256};
+pub use input::{
+    MeshFile, NumberLine, edges_by_vertices, number, read_numbers, read_polylines, read_text,
+    sha256,
+};
 pub use limits::{TypedLimits, check_distances};
 pub use number_lists::{finite, ten, three};
 pub use output::in_file;

@@ -564,7 +564,7 @@ fn pinholes(edge: f64, facets: &TriangleSurface) -> Option<String> {
 /// What is set and a warm start does not heed, and what asks for a boundary that there is not.
 fn without_effect(job: &MeshJob, facets: &TriangleSurface) -> Vec<String> {
     let mut told = Vec::new();
-    let idle = job.settings.idle_on_start();
+    let idle = job.settings.idle_on_start(&job.given);
     if job.start.is_some() && !idle.is_empty() {
         told.push(format!(
             "`{}` of the job file has no effect with --start, which lays nothing out",

@@ -13,7 +13,7 @@ use phex_html::{SheetKind, contact_file};
 use phex_job::{
     AtBoundary, Content, Given, JobError, JobResult, LastStage, MeshFile, MeshJob, MeshSettings,
     OutputPaths, Planarization, Quantity, SteeringSettings, TimeLimit, TypedLimits, Unit, WayShown,
-    chain, time_limit, ways, without_crumbs,
+    chain, edges_by_vertices, time_limit, ways, without_crumbs,
 };
 use phex_mesh::{EdgeId, HexMesh, LARGEST_COORDINATE, TriangleSurface};
 use phex_picture::ContactTile;
@@ -150,6 +150,8 @@ pub struct MeshRequest {
 struct AskedOptions {
     settings: MeshSettings,
     given: GivenValues,
+    /// Whether there are sizes in memory.
+    size_field: bool,
     keep_best: bool,
     time_limit: bool,
 }
@@ -162,7 +164,10 @@ impl AskedOptions {
         whole: &MeshSettings,
         has_start: bool,
     ) -> Result<(), JobError> {
-        let mut given = Given::default();
+        let mut given = Given {
+            size_field: self.size_field.then(Vec::new),
+            ..Given::default()
+        };
         self.given.add_to(&mut given)?;
         let others = [
             ("time-limit", self.time_limit),
@@ -170,7 +175,7 @@ impl AskedOptions {
         ];
         self.settings.check_until(until, whole, &given, &others)?;
         match has_start {
-            true => self.settings.check_start(),
+            true => self.settings.check_start(&given),
             false => Ok(()),
         }
     }
@@ -322,7 +327,8 @@ pub fn planarized(
     inputs: Inputs,
     progress: &dyn Progress,
 ) -> Result<Answer, JobError> {
-    let (start, surface) = (inputs.panels()?, inputs.surface()?);
+    let (start, notes) = inputs.first()?.sewn_polygon_mesh()?;
+    let surface = inputs.surface()?;
     let typed = MeshSettings {
         unit: request.limits.unit,
         steering: request.steering,
@@ -358,6 +364,7 @@ pub fn planarized(
     );
     report.settings =
         json!({ "optimise": how.options, "steering": how.steering, "refit": how.refit });
+    report.notes.extend(notes);
     reached.describe(&mut report);
     answer(KeptResult {
         mesh: reached.mesh,
@@ -651,11 +658,11 @@ fn with_lengths(
 ) -> Result<Answer, JobError> {
     let (space, topology) = (space(mesh)?, mesh.topology());
     let mut wish = space.lengths(mesh);
+    let edges = edges_by_vertices(topology);
     for (k, &(from, to, length)) in request.lengths.iter().enumerate() {
-        let ends = |e: &EdgeId| topology.edge_vertices(*e).map(|v| v.index());
-        let edge = (topology.edges()).find(|e| [[from, to], [to, from]].contains(&ends(e)));
+        let edge = edges.get(&(from.min(to), from.max(to)));
         let told = || JobError::Input(format!("lengths: entry {k}: no edge joins {from} and {to}"));
-        wish[edge.ok_or_else(told)?] = length;
+        wish[*edge.ok_or_else(told)?] = length;
     }
     let lengths = space.project_lengths(&wish);
     let misses = wish.iter().zip(&lengths).map(|(w, l)| (w - l).abs());

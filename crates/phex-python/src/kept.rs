@@ -31,20 +31,12 @@ pub struct KeptResult {
     pub start: Option<PolygonSoup>,
 }
 
-/// A surface as polygons.
-pub fn soup_of(surface: &TriangleSurface) -> PolygonSoup {
-    PolygonSoup {
-        positions: surface.positions().as_slice().to_vec(),
-        faces: surface.topology().face_lists(),
-    }
-}
-
 #[pymethods]
 impl Kept {
     /// The surface that was given and the panels before the last step, as arrays: what a copy of
     /// the result needs beside its own.
     fn arrays<'py>(&self, py: Python<'py>) -> PyResult<[Option<Arrays<'py>>; 2]> {
-        let facets = self.result.facets.as_ref().map(soup_of);
+        let facets = self.result.facets.as_ref().map(TriangleSurface::to_soup);
         let made = |soup: Option<&PolygonSoup>| soup.map(|s| arrays::arrays(py, s)).transpose();
         Ok([made(facets.as_ref())?, made(self.result.start.as_ref())?])
     }

@@ -4,9 +4,7 @@ use crate::answer::{Answer, AnswerPart, json};
 use crate::inputs::Inputs;
 use phex::Progress;
 use phex_job::JobError;
-use phex_study::{
-    Row, SolveOptions, Variant, VariantLimits, collect, csv, finished, keys, lost, page, solve,
-};
+use phex_study::{Row, SolveOptions, Variant, collect, csv, finished, keys, lost, page, solve};
 use serde::Deserialize;
 use std::path::PathBuf;
 
@@ -53,7 +51,7 @@ pub fn solved(
 pub struct FinishedRequest {
     out: PathBuf,
     keys: Vec<String>,
-    limits: VariantLimits,
+    options: SolveOptions,
 }
 
 /// The rows of those that are finished.
@@ -65,7 +63,7 @@ pub fn finished_rows(
     _: Inputs,
     _: &dyn Progress,
 ) -> Result<Answer, JobError> {
-    let row = |key: &String| finished(&request.out, key, &request.limits);
+    let row = |key: &String| finished(&request.out, key, &request.options);
     let rows: Vec<Option<Row>> = request.keys.iter().map(row).collect();
     Ok(vec![("rows", json(&rows)?)])
 }

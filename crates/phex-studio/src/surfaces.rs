@@ -1,4 +1,4 @@
-//! DroppedSurfaces that were dropped.
+//! Surfaces that were dropped.
 
 use crate::frames::frame;
 use axum::body::Bytes;
@@ -12,14 +12,14 @@ use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::Arc;
 
-/// DroppedSurfaces that are kept; what was not used for longest goes first.
+/// How many surfaces are kept; what was not used for longest goes first.
 const KEPT: usize = 3;
 /// Characters of a file's name that are kept.
 const LONGEST_NAME: usize = 100;
 
 /// A file that was dropped.
 pub struct DroppedSurface {
-    /// The first digits of the checksum of its bytes and name.
+    /// The first digits of the checksum of its bytes.
     pub id: String,
     /// Its name, without folders.
     pub name: String,

@@ -78,7 +78,7 @@ pub fn lost(variant: &Variant, reason: &str) -> Result<Row, JobError> {
 }
 
 /// Adds the figures of a mesh: see `docs/book/src/studies.md` for what each column is.
-pub(crate) fn add_figures(columns: &mut Row, made: &JobResult, unit: Unit) {
+pub(crate) fn add_figures(columns: &mut Row, made: &JobResult) {
     let (report, measures) = (&made.report, &made.report.assessment.measures);
     let deviation = report.assessment.judged_deviation();
     let evenness = measures.evenness.as_ref();
@@ -98,7 +98,7 @@ pub(crate) fn add_figures(columns: &mut Row, made: &JobResult, unit: Unit) {
         ("mean-edge", json!(measures.mean_edge)),
         (
             "distinct-lengths",
-            json!(distinct_lengths(&made.mesh, unit)),
+            json!(distinct_lengths(&made.mesh, made.limits.unit)),
         ),
     ];
     for (name, value) in figures {

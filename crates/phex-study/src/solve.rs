@@ -50,37 +50,26 @@ pub fn solve(
 ) -> Result<Row, JobError> {
     options.limits.check()?;
     let key = variant.key()?;
-    if let Some(row) = finished(out, &key, &options.limits) {
+    if let Some(row) = finished(out, &key, options) {
         return Ok(row);
     }
     let watch = Watch::new(progress, options.limits);
     let place = VariantFolder { out, key: &key };
-    let (mut told, made) = match run(variant, &watch) {
-        Ok(made) => {
-            let ending = Ending::of_report(&made.report);
-            (row(variant, &key, &ending), Some(made))
-        }
-        Err(error) => match watch.ended() {
-            Some((status, reason)) if error == JobError::Cancelled => {
-                let ending = Ending {
-                    status,
-                    exit: 5,
-                    reason,
-                };
-                (row(variant, &key, &ending), None)
-            }
-            None if error == JobError::Cancelled => return Err(error),
-            _ => (row(variant, &key, &Ending::of_error(&error)), None),
-        },
+    let solved = run(variant, &watch).and_then(|made| {
+        let told = row_of(&made, variant, &key, &watch)?;
+        Ok((told, Some(made)))
+    });
+    let (mut told, made) = match solved {
+        Ok(solved) => solved,
+        Err(error) => (row(variant, &key, &ending_of(error, &watch)?), None),
     };
     let written = match &made {
-        Some(made) => place.write_mesh(made, variant, options, &watch, &mut told),
+        Some(made) => place.write_mesh(made, variant, options, &mut told),
         None => Ok(()),
     };
     let written = written.and_then(|()| place.write_run(variant, options, &watch, &told));
     match written {
         Ok(()) => Ok(told),
-        Err(JobError::Cancelled) => Err(JobError::Cancelled),
         Err(error) => {
             let ending = Ending {
                 status: "not-written",
@@ -92,13 +81,55 @@ pub fn solve(
     }
 }
 
-/// The row of a variant that is finished, unless limits ended it that are wider now.
-pub fn finished(out: &Path, key: &str, limits: &VariantLimits) -> Option<Row> {
-    let text = std::fs::read_to_string(out.join(key).join(RUN_FILE)).ok()?;
+/// How an error ended a variant.
+///
+/// # Errors
+/// If the caller has stopped it.
+fn ending_of(error: JobError, watch: &Watch<'_>) -> Result<Ending, JobError> {
+    if error != JobError::Cancelled {
+        return Ok(Ending::of_error(&error));
+    }
+    let (status, reason) = watch.ended().ok_or(error)?;
+    Ok(Ending {
+        status,
+        exit: 5,
+        reason,
+    })
+}
+
+/// The row of a variant with a mesh, but for the files.
+///
+/// # Errors
+/// If the workshop's part is cancelled.
+fn row_of(
+    made: &JobResult,
+    variant: &Variant,
+    key: &str,
+    watch: &Watch<'_>,
+) -> Result<Row, JobError> {
+    let mut told = row(variant, key, &Ending::of_report(&made.report));
+    add_figures(&mut told, made);
+    let is_cut = made.report.assessment.verdict != Verdict::Invalid;
+    if let Some(workshop) = variant.workshop.as_ref().filter(|_| is_cut) {
+        add_workshop(&mut told, workshop, made, watch);
+        if watch.is_cancelled() {
+            return Err(JobError::Cancelled);
+        }
+    }
+    Ok(told)
+}
+
+/// The row of a variant that is finished, unless limits ended it that are wider now, or its mesh
+/// has no HTML report and is to have one.
+pub fn finished(out: &Path, key: &str, options: &SolveOptions) -> Option<Row> {
+    let folder = out.join(key);
+    let text = std::fs::read_to_string(folder.join(RUN_FILE)).ok()?;
     let run: RunRecord = serde_json::from_str(&text).ok()?;
     let status = run.row.get("out:status").and_then(Value::as_str);
     let is_ended = matches!(status, Some("time-limit" | "memory-limit"));
-    (!(is_ended && run.limits.is_widened_by(limits))).then_some(run.row)
+    let goes_on = is_ended && run.limits.is_widened_by(&options.limits);
+    let lacks_page = options.html && run.row.contains_key("threeD") && !folder.join(PAGE).exists();
+    (!(goes_on || lacks_page)).then_some(run.row)
 }
 
 /// What `run.json` holds.
@@ -160,27 +191,14 @@ impl VariantFolder<'_> {
         json!(format!("{}/{file}", self.key))
     }
 
-    /// Everything about a mesh, and its columns.
+    /// The files of a mesh, and their columns.
     fn write_mesh(
         &self,
         made: &JobResult,
         variant: &Variant,
         options: &SolveOptions,
-        watch: &Watch<'_>,
         told: &mut Row,
     ) -> Result<(), JobError> {
-        let unit = variant.settings.unit();
-        add_figures(told, made, unit);
-        if let Some(workshop) = variant
-            .workshop
-            .as_ref()
-            .filter(|_| made.report.assessment.verdict != Verdict::Invalid)
-        {
-            add_workshop(told, workshop, &made.mesh, unit, watch);
-            if watch.is_cancelled() {
-                return Err(JobError::Cancelled);
-            }
-        }
         let path = self.out.join(self.key).join(MESH);
         std::fs::create_dir_all(self.out.join(self.key))
             .map_err(|e| JobError::Internal(format!("{}: {e}", path.display())))?;
@@ -251,4 +269,99 @@ fn page(made: &JobResult, variant: &Variant) -> Result<String, JobError> {
     };
     let html = phex_html::page(&report, Viewer::embedded());
     html.map_err(|e| JobError::Internal(e.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use phex::{Event, Silent};
+    use phex_job::MeshSettings;
+    use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+    use std::time::Duration;
+
+    /// A ball of a few panels, in a file of the folder.
+    fn ball(folder: &Path) -> Variant {
+        let shape = Shape::from_name("sphere", &[]).unwrap();
+        let options = TriangulationOptions {
+            triangles: 500,
+            ..TriangulationOptions::default()
+        };
+        let surface = folder.join("ball.obj");
+        write_soup(&surface, &triangulate(&shape, &options).unwrap().to_soup()).unwrap();
+        let settings = "panels = 32\neffort = 'draft'\nmax-deviation = '5%'";
+        Variant {
+            surface,
+            surface_name: None,
+            settings: MeshSettings::from_toml(settings).unwrap(),
+            workshop: None,
+        }
+    }
+
+    /// Waits at the first sheet, so that the limit of time is reached there.
+    struct SlowWorkshop(Duration);
+
+    impl Progress for SlowWorkshop {
+        fn report(&self, event: &Event) {
+            if matches!(event, Event::Counted { stage, .. } if *stage == "panels on sheets") {
+                std::thread::sleep(self.0);
+            }
+        }
+
+        fn is_cancelled(&self) -> bool {
+            false
+        }
+    }
+
+    #[test]
+    fn a_limit_that_is_reached_in_the_workshop_is_a_row_and_wider_ones_try_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let workshop = serde_json::from_value(json!({ "thickness": "20mm" })).unwrap();
+        let variant = Variant {
+            workshop: Some(workshop),
+            ..ball(folder.path())
+        };
+        let limits = VariantLimits {
+            seconds: Some(5.0),
+            megabytes: None,
+        };
+        let short = SolveOptions {
+            limits,
+            html: false,
+        };
+        let slow = SlowWorkshop(Duration::from_secs(5));
+        let row = solve(&variant, folder.path(), &short, &slow).unwrap();
+        assert_eq!(row["out:status"], json!("time-limit"));
+        assert_eq!(row["out:reason"], json!("it took more than 5 s"));
+        let free = SolveOptions::default();
+        let row = solve(&variant, folder.path(), &free, &Silent).unwrap();
+        assert_eq!(row["out:status"], json!("pass"), "{row:?}");
+        assert!(row.contains_key("out:sheets"), "{row:?}");
+    }
+
+    #[test]
+    fn the_workshop_takes_what_is_as_planar_as_the_settings_say() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut variant = ball(folder.path());
+        variant.workshop = serde_json::from_value(json!({ "thickness": "20mm" })).unwrap();
+        variant.settings.planarity = Some("1e-20".parse().unwrap());
+        let options = SolveOptions::default();
+        let row = solve(&variant, folder.path(), &options, &Silent).unwrap();
+        assert_eq!(row["out:reason"], json!("planarity"));
+        let told = row["out:workshop"].as_str().unwrap();
+        assert!(told.contains("planar"), "{told}");
+    }
+
+    #[test]
+    fn a_page_that_is_wanted_later_is_made() {
+        let folder = tempfile::tempdir().unwrap();
+        let variant = ball(folder.path());
+        let page = folder.path().join(variant.key().unwrap()).join(PAGE);
+        let mut options = SolveOptions::default();
+        let first = solve(&variant, folder.path(), &options, &Silent).unwrap();
+        assert!(!page.exists());
+        options.html = true;
+        let again = solve(&variant, folder.path(), &options, &Silent).unwrap();
+        assert!(page.exists() && first == again);
+        assert!(finished(folder.path(), &variant.key().unwrap(), &options).is_some());
+    }
 }

@@ -7,6 +7,8 @@ use crate::workshop::Workshop;
 use phex_job::{JobError, MeshSettings, from_toml, read_text, time_limit};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
+use std::collections::{HashMap, HashSet};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -133,15 +135,22 @@ impl StudyFile {
             }
             false => ("variants", self.variants.clone()),
         };
+        let files: HashSet<&PathBuf> = self.surfaces.iter().collect();
+        let mut of_name: HashMap<Option<&OsStr>, usize> = HashMap::new();
+        for file in files {
+            *of_name.entry(file.file_name()).or_default() += 1;
+        }
         let variant = |surface: &PathBuf, change: &Map<String, Value>| {
             let mut settings = self.settings.clone();
             merge(&mut settings, change);
             // What [settings] says was read above, so that only the change can be wrong.
             let settings = settings_of(table, &settings)?;
             settings.check_job()?;
+            let is_shared = of_name[&surface.file_name()] > 1;
             Ok(Variant {
                 surface: surface.clone(),
-                surface_name: self.surface_name(surface),
+                // The path as it is typed, where another file has the same name.
+                surface_name: is_shared.then(|| surface.display().to_string()),
                 settings,
                 workshop: self.workshop,
             })
@@ -150,19 +159,18 @@ impl StudyFile {
         all.flat_map(|s| changes.iter().map(move |c| variant(s, c)))
             .collect()
     }
-
-    /// The path of a surface as it is typed, where another one has the same file name.
-    fn surface_name(&self, surface: &Path) -> Option<String> {
-        let mut others = self.surfaces.iter().filter(|other| *other != surface);
-        let is_shared = others.any(|other| other.file_name() == surface.file_name());
-        is_shared.then(|| surface.display().to_string())
-    }
 }
 
 /// The settings that a table of the file gives.
 fn settings_of(table: &str, settings: &Map<String, Value>) -> Result<MeshSettings, JobError> {
     let told = |e| JobError::Input(format!("[{table}]: {e}"));
-    MeshSettings::from_json(json!(settings)).map_err(told)
+    let made = MeshSettings::from_json(json!(settings)).map_err(told)?;
+    match made.threads {
+        None => Ok(made),
+        Some(_) => Err(JobError::Input(format!(
+            "[{table}]: `threads` has no effect in a study: leave it out, and give --threads"
+        ))),
+    }
 }
 
 /// A setting and its values: names of tables and the setting, each value.
@@ -361,6 +369,16 @@ mod tests {
         assert_eq!(names, ["a/roof.obj", "b/roof.obj", "c.obj"]);
     }
 
+    /// Where each variant looks at all surfaces, these take a minute.
+    #[test]
+    fn twice_as_many_surfaces_take_twice_the_time() {
+        let names: Vec<String> = (0..20_000).map(|k| format!("'{k}.obj'")).collect();
+        let study = StudyFile::from_toml(&format!("surfaces = [{}]", names.join(", "))).unwrap();
+        let begun = std::time::Instant::now();
+        assert_eq!(study.variants().unwrap().len(), names.len());
+        assert!(begun.elapsed().as_secs() < 15, "{:?}", begun.elapsed());
+    }
+
     #[test]
     fn errors_name_table_key_and_cause() {
         for (text, told) in [
@@ -371,6 +389,14 @@ mod tests {
             (
                 "[space]\npanels = { from = 40, to = 61, count = 3 }",
                 "[space]: panels: a whole number that is not negative is expected, not the number `50.5`",
+            ),
+            (
+                "[settings]\nthreads = 7",
+                "[settings]: `threads` has no effect in a study: leave it out, and give --threads",
+            ),
+            (
+                "[space]\nthreads = [1, 2]",
+                "[space]: `threads` has no effect",
             ),
             (
                 "[space.limits]\nmax-edge = [true]",

@@ -1,8 +1,7 @@
 //! What a variant's panels mean to a workshop.
 
 use phex_fab::{FabOptions, PanelIds, fabricate, folder, valid_mesh};
-use phex_job::{Quantity, SheetSize, Unit, chain};
-use phex_mesh::{HexMesh, ValidateOptions};
+use phex_job::{JobResult, Quantity, SheetSize, Unit, chain};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
@@ -24,11 +23,10 @@ pub struct Workshop {
 pub(crate) fn add_workshop(
     columns: &mut Map<String, Value>,
     workshop: &Workshop,
-    mesh: &HexMesh,
-    unit: Unit,
+    job: &JobResult,
     progress: &dyn phex::Progress,
 ) {
-    match made(workshop, mesh, unit, progress) {
+    match made(workshop, job, progress) {
         Ok(figures) => columns.extend(figures),
         Err(told) => {
             columns.insert("out:workshop".to_owned(), json!(told));
@@ -38,19 +36,21 @@ pub(crate) fn add_workshop(
 
 fn made(
     workshop: &Workshop,
-    mesh: &HexMesh,
-    unit: Unit,
+    job: &JobResult,
     progress: &dyn phex::Progress,
 ) -> Result<Map<String, Value>, String> {
-    let options = FabOptions {
+    let (mesh, unit) = (&job.mesh, job.limits.unit);
+    let mut options = FabOptions {
         thickness: workshop.thickness.length(unit, mesh.diagonal()),
         unit_mm: unit.metres() / Unit::Mm.metres(),
         sheet_mm: workshop.sheet.millimetres(),
         nest_effort: workshop.nest_effort,
         ..FabOptions::default()
     };
+    let planarity = job.limits.planarity;
+    options.validity.planarity = planarity.map(|q| q.fraction(unit, mesh.mean_edge()));
     let ids = PanelIds::new(mesh);
-    let valid = valid_mesh(mesh.clone(), &ids, &ValidateOptions::default());
+    let valid = valid_mesh(mesh.clone(), &ids, &options.validity);
     let made = valid.and_then(|valid| fabricate(valid, ids, options, progress));
     let summary = folder::summary(&made.map_err(|e| chain(&e))?);
     let columns = [

@@ -1,6 +1,8 @@
 """Search among designs: optuna's samplers over the same variants as a study's."""
 
+import json
 import os
+import time
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 from ._arrays import path_text, shown
@@ -108,9 +110,11 @@ def explore(
     if not aims:
         raise InputError("objectives: there is none")
     limits = _limits(constraints or {}, known)
+    search = _search(objectives, limits)
     axes = _axes(space)
     how = _how(threads, workshop, time_limit, memory_limit, html)
     engine = _engine(executor, workers, how["threads"])
+    retries = whole("retries", retries, 1000)
     size = whole("batch", 4 if batch is None else batch, 10**6)
     if size == 0:
         raise InputError("batch: 0 variants at a time")
@@ -123,10 +127,15 @@ def explore(
     )
     if len(study.directions) != len(aims):
         raise InputError(f"out: {folder} is of a search with {len(study.directions)} objectives")
-    _lay_aside(study, optuna)
     done = [t for t in study.get_trials(deepcopy=False) if "row" in t.user_attrs]
+    if done and study.user_attrs.get("search", search) != search:
+        told = "is of a search with other objectives or constraints: give those, or another folder"
+        raise InputError(f"out: {folder} {told}")
+    _lay_aside(study, optuna)
+    study.set_user_attr("search", search)
     study.sampler = sampler or _usual_sampler(optuna, seed + len(done))
     hear = listener(progress, False, False)
+    begun, known_before = time.monotonic(), len(done)
     try:
         while len(done) < count:
             asked = [study.ask() for _ in range(min(size, count - len(done)))]
@@ -136,16 +145,29 @@ def explore(
                 _told(study, trial, row, aims, limits, optuna)
             done = [t for t in study.get_trials(deepcopy=False) if "row" in t.user_attrs]
             if hear is not None:
-                event = {"event": "progress", "done": len(done) / count, "left_seconds": 0.0}
+                each = (time.monotonic() - begun) / (len(done) - known_before)
+                left = each * max(count - len(done), 0)
+                event = {"event": "progress", "done": len(done) / count, "left_seconds": left}
                 if stops(hear(event)):
                     break
     finally:
+        engine.close()
         close(hear)
     made = Exploration([t.user_attrs["row"] for t in done], folder)
     made.objectives = [name for name, _ in aims]
     made._values = [t.values if t.values else None for t in done]
     made._allowed = [all(c <= 0.0 for c in t.user_attrs["constraints"]) for t in done]
     return made
+
+
+def _search(objectives: Sequence[Objective], limits: "Limits") -> Dict[str, Any]:
+    """What trials are judged by, as JSON holds it: a function is known by its name."""
+    aims = [_named(o) if callable(o) else _objective(o) for o in objectives]
+    return json.loads(json.dumps({"objectives": aims, "constraints": limits}))  # type: ignore[no-any-return]
+
+
+def _named(objective: Any) -> str:
+    return getattr(objective, "__name__", "function")
 
 
 def _usual_sampler(optuna: Any, seed: int) -> Any:
@@ -166,7 +188,7 @@ def _usual_sampler(optuna: Any, seed: int) -> Any:
 def _aim(objective: Any, known: Sequence[str]) -> Tuple[str, Callable[[Row], Optional[float]]]:
     """An objective's name, and what of a row is to be small."""
     if callable(objective):
-        return getattr(objective, "__name__", "function"), lambda row: _finite(objective(row))
+        return _named(objective), lambda row: _finite(objective(row))
     name, sign = _objective(objective)
     checked_column(name, known, "objectives")
 

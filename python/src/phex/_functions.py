@@ -237,11 +237,12 @@ class _MeshJob:
         self.meshes = [self.surface]
         if earlier is not None:
             self.meshes.append(as_polygons(earlier, Mesh, "start"))
-        asked_typed, asked_given, _ = _options.settings(asked)
+        asked_typed, asked_given, asked_sizes = _options.settings(asked)
         self.request = {
             "asked": {
                 "settings": asked_typed,
                 "given": asked_given,
+                "size_field": asked_sizes is not None,
                 "keep_best": bool(asked.get("keep_best")),
                 "time_limit": asked.get("time_limit") is not None,
             },

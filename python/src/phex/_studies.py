@@ -132,10 +132,14 @@ def solve(job: Dict[str, Any]) -> Row:
     request = {
         "variant": _variant(job),
         "out": path_text(job["out"], "out"),
-        "options": {"limits": job.get("limits") or {}, "html": bool(job.get("html", False))},
+        "options": _solve_options(job),
     }
     made = run("solve", request, threads=_options.threads(job.get("threads", 1)))
     return json.loads(made["row"])  # type: ignore[no-any-return]
+
+
+def _solve_options(job: Dict[str, Any]) -> Dict[str, Any]:
+    return {"limits": job.get("limits") or {}, "html": bool(job.get("html", False))}
 
 
 def _variant(job: Dict[str, Any]) -> Dict[str, Any]:
@@ -346,6 +350,7 @@ def sweep(
     try:
         rows = _solved(jobs, folder, engine, whole("retries", retries, 1000), hear)
     finally:
+        engine.close()
         close(hear)
     return Study(rows, folder)
 
@@ -414,6 +419,8 @@ def _axes(space: Any) -> Dict[str, Any]:
     for name, values in space.items():
         if name != "surface" and (name not in _options.MESH or name in _options.NO_SETTINGS):
             raise InputError(f"space: {shown(name)} is not `surface`, and no setting of phex.mesh")
+        if name == "threads":
+            raise InputError("space: `threads` has no effect on a variant: give it beside the space")
         if isinstance(values, Between):
             low, high = real(name, values.low), real(name, values.high)
             if name == "surface" or low >= high:
@@ -625,7 +632,7 @@ def _engine(executor: Any, workers: Optional[int], threads: int) -> _Engine:
 def _solved(
     jobs: List[Dict[str, Any]], folder: str, engine: _Engine, retries: int, hear: Any
 ) -> List[Row]:
-    """The rows of jobs, in their order."""
+    """The rows of jobs, in their order; the engine is ready for more."""
     rows: List[Optional[Row]] = _known(jobs, folder)
     todo = [k for k, row in enumerate(rows) if row is None]
     begun, ended = time.monotonic(), 0
@@ -639,7 +646,6 @@ def _solved(
     except BaseException:
         engine.stop()
         raise
-    engine.close()
     return [row for row in rows if row is not None]
 
 
@@ -648,7 +654,7 @@ def _known(jobs: List[Dict[str, Any]], folder: str) -> List[Optional[Row]]:
     if not jobs:
         return []
     keys = json.loads(run("keys", {"variants": [_variant(job) for job in jobs]})["keys"])
-    request = {"out": folder, "keys": keys, "limits": jobs[0]["limits"]}
+    request = {"out": folder, "keys": keys, "options": _solve_options(jobs[0])}
     return json.loads(run("finished", request)["rows"])  # type: ignore[no-any-return]
 
 

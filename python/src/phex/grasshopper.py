@@ -97,12 +97,13 @@ def planarize(ghenv: Any, mesh: Any, surface: Any = None, run: bool = True, **op
     if not run or mesh is None:
         return _told(ghenv, NOTHING, "")
     there = None if surface is None else surface_of(surface)
-    return _now(
-        ghenv,
-        lambda: _functions.planarize(
-            _panels_of(mesh), there, keep_invalid=True, progress=False, **options
-        ),
-    )
+
+    def work() -> Panelling:
+        panels = _panels_of(mesh)
+        how = _in_unit(options, panels)
+        return _functions.planarize(panels, there, keep_invalid=True, progress=False, **how)
+
+    return _now(ghenv, work)
 
 
 def offset(ghenv: Any, mesh: Any, distance: Any, run: bool = True, **options: Any) -> List[Shown]:
@@ -110,7 +111,8 @@ def offset(ghenv: Any, mesh: Any, distance: Any, run: bool = True, **options: An
     if not run or mesh is None or distance is None:
         return []
     try:
-        made = _functions.offset(_panels_of(mesh), distance, **options)
+        panels = _panels_of(mesh)
+        made = _functions.offset(panels, distance, **_in_unit(options, panels))
     except (PhexError, TypeError) as error:
         return [_told(ghenv, NOTHING._replace(report=str(error)), "failed", error)]
     return [_shown(layer) for layer in made.layers]
@@ -121,8 +123,9 @@ def fabricate(ghenv: Any, mesh: Any, folder: Any, run: bool = False, **options: 
     if not run or mesh is None or not folder:
         return ""
     try:
-        options = _in_unit({name: value for name, value in options.items() if value is not None})
-        made = _functions.fabricate(_panels_of(mesh), folder, progress=False, **options)
+        panels = _panels_of(mesh)
+        given = {name: value for name, value in options.items() if value is not None}
+        made = _functions.fabricate(panels, folder, progress=False, **_in_unit(given, panels))
     except (PhexError, TypeError) as error:
         return _told(ghenv, NOTHING._replace(report=str(error)), "failed", error).report
     return "\n".join(f"{name}: {value}" for name, value in made.summary.items())
@@ -134,14 +137,14 @@ def check(ghenv: Any, mesh: Any, surface: Any = None, **options: Any) -> Shown:
     if mesh is None:
         return _told(ghenv, NOTHING, "")
     there = None if surface is None else surface_of(surface)
-    return _now(ghenv, lambda: _functions.check(_panels_of(mesh), there, **options))
+    return _now(ghenv, lambda: _judged(mesh, there, options))
 
 
 def report(ghenv: Any, mesh: Any, path: Any = None, run: bool = False) -> str:
     """The component Report: figures as text; writes the HTML report where asked."""
     if mesh is None:
         return ""
-    made = mesh if isinstance(mesh, Panelling) else _functions.check(_panels_of(mesh))
+    made = mesh if isinstance(mesh, Panelling) else _judged(mesh, None, {})
     if run and path:
         made.save(path)
     return text_of(made)
@@ -154,10 +157,16 @@ def text_of(made: Mesh) -> str:
     return "\n".join(f"{name}: {value}" for name, value in made._figures())
 
 
-def _in_unit(options: Dict[str, Any]) -> Dict[str, Any]:
-    """Options with the unit of Rhino's document where none is given."""
-    given = options.get("unit")
-    return {**options, "unit": document_unit() if given is None else given}
+def _judged(mesh: Any, surface: Optional[Surface], options: Dict[str, Any]) -> Panelling:
+    panels = _panels_of(mesh)
+    return _functions.check(panels, surface, **_in_unit(options, panels))
+
+
+def _in_unit(options: Dict[str, Any], mesh: Optional[Mesh] = None) -> Dict[str, Any]:
+    """Options with the unit of Rhino's document where neither they nor the mesh have one."""
+    if options.get("unit") is not None or (mesh is not None and mesh._unit is not None):
+        return options
+    return {**options, "unit": document_unit()}
 
 
 def _one_or_outlines(given: Any) -> Any:

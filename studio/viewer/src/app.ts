@@ -147,11 +147,6 @@ export class App {
     this.restoring = false;
   }
 
-  /** Dims or shows everything. */
-  set visible(on: boolean) {
-    this.world.visible = on;
-  }
-
   /** Place of a panel's centre in the page, for scripts and tests. */
   locate(face: number): { x: number; y: number } {
     const p = this.centres[face].clone().project(this.stage.camera);

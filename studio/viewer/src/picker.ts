@@ -60,11 +60,6 @@ export class Picker {
     (this.mesh.material as ShaderMaterial).dispose();
   }
 
-  /** Shows the numbers of another mesh from now on. */
-  follow(geometry: BufferGeometry): void {
-    this.mesh.geometry = geometry;
-  }
-
   /** The panel at a pixel of a view of the given size. */
   at(x: number, y: number, width: number, height: number): number | null {
     this.camera.setViewOffset(width, height, Math.floor(x), Math.floor(y), 1, 1);

@@ -597,6 +597,40 @@ async function theProgramIsKilled() {
   await another.context().close();
 }
 
+/** The program keeps the last surfaces alone: a step back to an older one is told, and what is shown stays wanted. */
+async function aSurfaceThatIsGoneIsTold() {
+  const page = await visit(SMALL);
+  const content = readFileSync(roof, "utf8");
+  const shown = (k) => page.waitForFunction((name) => document.querySelector('[data-part="file-name"]').textContent === name, `roof-${k}.obj`);
+  for (const k of [0, 1, 2, 3]) {
+    await drop(page, `roof-${k}.obj`, `# ${k}\n${content}`);
+    await shown(k);
+  }
+  for (const k of [2, 1]) {
+    await page.click('[data-act="undo"]');
+    await shown(k);
+  }
+  await page.click('[data-act="undo"]');
+  await page.waitForSelector('.status[data-kind="problem"]');
+  await shown(1);
+  await page.waitForFunction(() => ((s) => s.state.wanted.surface === s.surface.id)(window.phexStudio.studio));
+  await set(page, "panels", "90");
+  assert.equal(await verdict(page), "pass");
+  await leave(page);
+}
+
+/** Views can be chosen of a surface without a result, in another language, too. */
+async function viewsStayInAnotherLanguage() {
+  const page = await visit();
+  await drop(page, "roof.obj", readFileSync(roof));
+  await page.waitForSelector(".surface-facts .name");
+  await studio(page, "(s) => s.stop()");
+  await page.click('[data-act="language"]');
+  assert.equal(await studio(page, "(s) => s.result"), null);
+  assert.equal(await page.locator('[data-part="views"] button').last().textContent(), "Einpassen");
+  await leave(page);
+}
+
 const TESTS = [
   aFileIsDropped,
   theSliderShowsALattice,
@@ -615,6 +649,8 @@ const TESTS = [
   germanAndDark,
   theKeyboardIsEnough,
   whatIsChosenStays,
+  aSurfaceThatIsGoneIsTold,
+  viewsStayInAnotherLanguage,
   windowsOfAnySize,
   theProgramIsKilled,
 ];

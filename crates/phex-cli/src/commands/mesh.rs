@@ -121,7 +121,7 @@ fn settings(command: &MeshCommand) -> Result<MeshSettings, Failure> {
     let typed = &command.settings;
     typed.check_until(command.until, &settings, &Given::default(), &others)?;
     if command.start.is_some() {
-        typed.check_start()?;
+        typed.check_start(&Given::default())?;
     } else {
         settings.check_effects(&Given::default())?;
     }

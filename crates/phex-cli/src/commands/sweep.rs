@@ -4,10 +4,13 @@ use super::{tell, use_threads};
 use crate::exit::{Exit, Failure};
 use crate::html::Silently;
 use crate::output_folder::{Extent, NamedFile, OutputFolder};
+use crate::printable;
 use crate::progress::Reporter;
+use crate::shared_arguments::{ProgressMode, Talk};
 use crate::sweep_arguments::{CollectArguments, SweepArguments, SweepCommand, SweepPart};
+use phex::Progress;
 use phex_study::{Row, StudyFile, Variant, collect, csv, page, solve};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::collections::{BTreeMap, HashMap};
 use std::time::Instant;
 
@@ -48,11 +51,26 @@ fn swept(arguments: &SweepArguments) -> Result<Exit, Failure> {
     std::fs::create_dir_all(out).map_err(|e| Failure::input(format!("{}: {e}", out.display())))?;
     let (begun, count) = (Instant::now(), variants.len());
     let mut endings: BTreeMap<String, usize> = BTreeMap::new();
+    // JSON tells of whole variants, as in Python.
+    let stages = Reporter::new(&Talk {
+        progress: ProgressMode::None,
+        ..arguments.talk.clone()
+    });
+    let progress: &dyn Progress = match arguments.talk.verbose {
+        true => &stages,
+        false => &Silently,
+    };
     for (k, variant) in variants.iter().enumerate() {
-        let row = solve(variant, out, &options, &Silently)?;
+        let row = solve(variant, out, &options, progress)?;
         *endings.entry(status(&row)).or_default() += 1;
         let seconds = begun.elapsed().as_secs_f64();
         let left = seconds / (k + 1) as f64 * (count - k - 1) as f64;
+        if arguments.talk.progress == ProgressMode::Json {
+            let done = (k + 1) as f64 / count as f64;
+            printable::tell(&json!({ "event": "variant", "row": row }).to_string());
+            let event = json!({ "event": "progress", "done": done, "left_seconds": left });
+            printable::tell(&event.to_string());
+        }
         tell(
             arguments.talk.quiet,
             &format!(

@@ -65,3 +65,24 @@ fn a_sweep_tells_of_its_size_of_doubles_and_of_panels_that_fit_no_sheet() {
     let table = String::from_utf8(shop.read("study/designs.csv")).unwrap();
     assert!(table.contains("a/ball.obj"), "{table}");
 }
+
+#[test]
+fn a_sweep_tells_of_each_variant_in_json_and_of_stages_where_asked() {
+    let shop = Workshop::new();
+    shop.succeed("shape sphere --triangles 500 -o ball.obj");
+    let study = "surfaces = ['ball.obj']\n[settings]\neffort = 'draft'\nmax-deviation = '5%'\n[space]\npanels = [32, 36]\n";
+    shop.write("study.toml", study);
+    let run = shop.succeed("sweep study.toml -o study --progress json -v");
+    let events = run.stderr.lines().filter(|line| line.starts_with('{'));
+    let events: Vec<serde_json::Value> = events
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
+    let names: Vec<&str> = events.iter().filter_map(|e| e["event"].as_str()).collect();
+    assert_eq!(names, ["variant", "progress", "variant", "progress"]);
+    assert_eq!(events[2]["row"]["in:panels"], 36);
+    assert_eq!(
+        (&events[1]["done"], &events[3]["done"]),
+        (&0.5.into(), &1.0.into())
+    );
+    assert!(run.stderr.contains("optimise: done"), "{}", run.stderr);
+}

@@ -44,7 +44,9 @@ def from_trimesh(mesh: Any, kind: Any = Mesh) -> Any:
     if len(face) != len(triangles):
         told = f"{len(face)} values for {len(triangles)} triangles"
         raise InputError(f'face_attributes["face"] has {told}')
-    groups = [(k, triangles[np.asarray(face) == k]) for k in np.unique(face)]
+    order = np.argsort(face, kind="stable")
+    names, first = np.unique(np.asarray(face)[order], return_index=True)
+    groups = zip(names, np.split(triangles[order], first[1:]))
     return kind(np.asarray(mesh.vertices), [outline(k, group) for k, group in groups])
 
 

@@ -207,7 +207,8 @@ export class View {
     );
   }
 
-  private buildViews(): void {
+  /** Writes the buttons of the views, where there are none. */
+  buildViews(): void {
     const views = this.parts("views");
     if (views.childElementCount > 0) return;
     for (const [name, direction] of Object.entries(VIEWS)) {

@@ -347,7 +347,7 @@ function fromPlace({ low, high, step, logarithmic }: NonNullable<Setting["slider
   if (!logarithmic) return Number(place.toFixed(4));
   const value = low * (high / low) ** (place / PLACES);
   // Numbers that a person would have typed.
-  return whole ? Number(value.toPrecision(value < 100 ? 2 : 2)) : Math.max(step, Number(value.toPrecision(2)));
+  return whole ? Number(value.toPrecision(2)) : Math.max(step, Number(value.toPrecision(2)));
 }
 
 /** What is wrong with a value that was typed, as far as the page can tell; null where nothing is. */

@@ -151,8 +151,8 @@ export class Studio {
       h("span", { class: "file", "data-part": "file-name" }),
       open,
       h("span", { class: "spring" }),
-      tool("↶", say("Undo (Ctrl+Z)"), "undo", () => this.step("undo")),
-      tool("↷", say("Redo (Ctrl+Shift+Z)"), "redo", () => this.step("redo")),
+      tool("↶", say("Undo (Ctrl+Z)"), "undo", () => void this.step("undo")),
+      tool("↷", say("Redo (Ctrl+Shift+Z)"), "redo", () => void this.step("redo")),
       tool(say("Deutsch"), say("Deutsch"), "language", () => this.changeLanguage()),
       tool(this.theme === "dark" ? "☀" : "☾", say(this.theme === "dark" ? "Light" : "Dark"), "theme", () => this.chooseTheme(this.theme === "dark" ? "light" : "dark", true)),
     );
@@ -473,12 +473,14 @@ export class Studio {
     this.say(say("Stopped"), "stopped");
   }
 
-  private step(which: "undo" | "redo"): void {
+  private async step(which: "undo" | "redo"): Promise<void> {
     const before = this.state.wanted.surface;
     if (!this.state[which]()) return;
     const { surface } = this.state.wanted;
-    if (surface !== null && surface !== before) void this.openSurface(() => server.surface(surface));
-    else this.begin();
+    if (surface === null || surface === before) return this.begin();
+    if (await this.openSurface(() => server.surface(surface))) return;
+    // The program keeps the last few surfaces alone: what is shown stays what is wanted.
+    if (this.state.wanted.surface === surface) this.state[which === "undo" ? "redo" : "undo"]();
   }
 
   /** Does something, and tells what goes wrong while somebody waits for it. */
@@ -691,7 +693,7 @@ export class Studio {
     const words = Object.entries(entry.job).filter(([, value]) => typeof value !== "object");
     const said = words.map(([name, value]) => `${name} ${value}`);
     const tables = Object.entries(entry.job).filter(([, value]) => typeof value === "object");
-    said.push(...tables.map(([name]) => say(name === "stages" ? "with lines and points" : name === "limits" ? "with limits" : "with dials")));
+    said.push(...tables.map(([name]) => say(name === "stages" || name === "guides" ? "with lines and points" : name === "limits" ? "with limits" : "with dials")));
     return said.join(", ") || say("defaults");
   }
 
@@ -853,6 +855,7 @@ export class Studio {
     this.parts("views").replaceChildren();
     this.fill();
     if (this.result) this.view.showResult(this.result.view);
+    else if (this.surface) this.view.buildViews();
   }
 
   private chooseTheme(theme: Theme, told = false): void {
@@ -887,7 +890,7 @@ export class Studio {
     const typing = event.target instanceof HTMLInputElement && event.target.type === "text";
     if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && !typing) {
       event.preventDefault();
-      this.step(event.shiftKey ? "redo" : "undo");
+      void this.step(event.shiftKey ? "redo" : "undo");
     }
     if (event.key === "Escape") {
       if (this.drawn.length > 0) this.finishLine(false);

@@ -6,8 +6,8 @@ use crate::exit::{Exit, Failure, OrExit};
 use crate::parallel_arguments::ParallelCommand;
 use crate::summary::SummaryTable;
 use phex::offset::ParallelSpace;
-use phex_job::{JobError, NumberLine, read_numbers};
-use phex_mesh::{EdgeId, HexMesh, PerEdge, Topology};
+use phex_job::{JobError, NumberLine, edges_by_vertices, read_numbers};
+use phex_mesh::{EdgeId, HexMesh, PerEdge};
 use serde_json::json;
 use std::collections::HashMap;
 use std::fmt::Write as _;
@@ -102,14 +102,6 @@ fn between(edges: &HashMap<(usize, usize), EdgeId>, [from, to]: [f64; 2]) -> Opt
     let whole = |x: f64| (x >= 0.0 && x.fract() == 0.0).then_some(x as usize);
     let ends = (whole(from.min(to))?, whole(from.max(to))?);
     edges.get(&ends).copied()
-}
-
-fn edges_by_vertices(topology: &Topology) -> HashMap<(usize, usize), EdgeId> {
-    let ends = |e| {
-        let [a, b] = topology.edge_vertices(e).map(|v| v.index());
-        (a.min(b), a.max(b))
-    };
-    topology.edges().map(|e| (ends(e), e)).collect()
 }
 
 /// A sparse basis, an entry a line.
