@@ -356,7 +356,10 @@ fn boundary(fit: &BoundaryFit) -> String {
     text
 }
 
-/// The smallest and the largest panels; small ones are named.
+/// Area over the mean one from which on a panel is large: 1.7 times as long as others and as wide.
+const LARGE_AREA: f64 = 3.0;
+
+/// The smallest and the largest panels; small and large ones are named.
 fn areas(measures: &MeshMeasures) -> String {
     let area = &measures.area_ratio;
     if area.min.is_nan() {
@@ -368,14 +371,17 @@ fn areas(measures: &MeshMeasures) -> String {
         worst("face", &area.worst),
         area.max
     );
-    if !measures.small_faces.is_empty() {
-        let ids: Vec<usize> = measures.small_faces.iter().map(|f| f.index()).collect();
-        let _ = write!(
-            text,
-            "; below {LEAST_RIM_AREA}: {} ({})",
-            ids.len(),
-            listed("faces", &ids)
-        );
+    let small = measures.small_faces.iter().map(|f| f.index()).collect();
+    let areas = measures.per_element.area.enumerate();
+    let largest = LARGE_AREA * measures.area / measures.faces as f64;
+    let large = areas.filter(|(_, a)| **a > largest);
+    let large = large.map(|(f, _)| f.index()).collect();
+    let kinds: [(String, Vec<usize>); 2] = [
+        (format!("below {LEAST_RIM_AREA}"), small),
+        (format!("above {LARGE_AREA}"), large),
+    ];
+    for (kind, ids) in kinds.iter().filter(|k| !k.1.is_empty()) {
+        let _ = write!(text, "; {kind}: {} ({})", ids.len(), listed("faces", ids));
     }
     text + &over_wished(measures).unwrap_or_default()
 }

@@ -554,9 +554,12 @@ fn pinholes(edge: f64, facets: &TriangleSurface) -> Option<String> {
     let first = facets.positions()[*small.first()?.first()?];
     // So many digits as tell the place.
     let [x, y, z] = <[f64; 3]>::from(first).map(|x| x as f32);
-    let holes = small.len();
+    let holes = match small.len() {
+        1 => "a hole is".to_owned(),
+        n => format!("{n} holes are"),
+    };
     Some(format!(
-        "{holes} holes are smaller than half a panel, the first at ({x}, {y}, {z}): panels keep them open; close them \
+        "{holes} smaller than half a panel, the first at ({x}, {y}, {z}): panels keep them open; close them \
          where triangles of the file are missing"
     ))
 }

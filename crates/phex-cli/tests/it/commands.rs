@@ -631,18 +631,24 @@ fn a_limit_in_millimetres_is_told_in_millimetres() {
 }
 
 #[test]
-fn tiny_inner_panels_are_listed() {
+fn tiny_and_large_inner_panels_are_listed() {
     let shop = Workshop::new();
-    let places = [0.0, 1.4, 1.6, 3.0];
-    let vertices = places
-        .iter()
-        .flat_map(|y| places.map(|x| format!("v {x} {y} 0\n")));
-    let faces = [1, 2, 3, 5, 6, 7, 9, 10, 11];
-    let faces = faces.map(|a| format!("f {a} {} {} {}\n", a + 1, a + 5, a + 4));
-    shop.write("mesh.obj", vertices.collect::<String>() + &faces.concat());
+    let grid = |places: [f64; 4]| {
+        let row = |y: &f64| places.map(|x| format!("v {x} {y} 0\n"));
+        let faces = [1, 2, 3, 5, 6, 7, 9, 10, 11];
+        let faces = faces.map(|a| format!("f {a} {} {} {}\n", a + 1, a + 5, a + 4));
+        shop.write(
+            "mesh.obj",
+            places.iter().flat_map(row).collect::<String>() + &faces.concat(),
+        );
+    };
+    grid([0.0, 0.5, 2.5, 3.0]);
+    let told = shop.phex("check mesh.obj").stdout;
+    assert!(told.contains("above 3: 1 (faces 4)"), "{told}");
+    grid([0.0, 1.4, 1.6, 3.0]);
     let run = shop.phex("check mesh.obj --report run.json");
     assert!(
-        run.stdout.contains("below 0.25: 1 (faces 4)"),
+        run.stdout.contains("below 0.25: 1 (faces 4)") && !run.stdout.contains("above"),
         "{}",
         run.stdout
     );

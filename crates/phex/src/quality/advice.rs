@@ -10,6 +10,9 @@ use std::collections::BTreeSet;
 /// less what facets are off.
 const OWN_FOLD: f64 = 89.0;
 
+/// Steps from panel to panel in which a fold of the surface is told from a bend.
+const STEPS: usize = 8;
+
 /// What would help where panels are left whole at the boundary and run into each other.
 const OVERLAPS: &str = "panels that end at the boundary (--boundary snap or clip), where those of two sides of a slit overlap, or smaller ones";
 
@@ -147,13 +150,13 @@ fn fold_advice(
         Violation::Fold { faces, .. } => Some(faces.map(|f| mesh.centre(f))),
         _ => None,
     });
-    let turn = |centres: [Vec3; 2]| {
-        let normal = |p| surface.area_vector(surface.closest_point(p).triangle);
-        let [a, b] = centres.map(normal);
-        a.angle(&b).to_degrees()
-    };
-    let turns: Vec<f64> = folds.map(turn).collect();
-    let own: Vec<f64> = turns.iter().copied().filter(|t| *t > OWN_FOLD).collect();
+    let turns: Vec<[f64; 2]> = folds
+        .map(|centres| turn_between(surface, centres))
+        .collect();
+    let is_edge = |[all, at_once]: &[f64; 2]| *all > OWN_FOLD && *at_once > 0.5 * all;
+    let own: Vec<f64> = (turns.iter().filter(|t| is_edge(t)))
+        .map(|t| t[0])
+        .collect();
     let most = own.iter().copied().fold(0.0, f64::max);
     match (turns.len(), own.len()) {
         (0, _) => None,
@@ -162,6 +165,17 @@ fn fold_advice(
             "at {own} of {all} the surface itself turns between two panels, by up to {most:.0} degrees: round its edges off there, or leave them"
         )),
     }
+}
+
+/// Angle by which a surface turns between two places, and the largest within one of [`STEPS`] on the
+/// way, degrees: at an edge it turns at once.
+fn turn_between(surface: &TriangleSurface, [from, to]: [Vec3; 2]) -> [f64; 2] {
+    let place = |k: usize| from + (to - from) * (k as f64 / STEPS as f64);
+    let normal = |p| surface.area_vector(surface.closest_point(p).triangle);
+    let normals: Vec<Vec3> = (0..=STEPS).map(|k| normal(place(k))).collect();
+    let steps = normals.windows(2).map(|pair| pair[0].angle(&pair[1]));
+    let all = normals[0].angle(&normals[STEPS]);
+    [all, steps.fold(0.0, f64::max)].map(f64::to_degrees)
 }
 
 #[cfg(test)]
@@ -214,5 +228,19 @@ mod tests {
             "{own}"
         );
         assert_eq!(advice(120.0, 60.0).as_deref(), Some(SMALLER));
+    }
+
+    /// A vault that turns by 120 degrees has no edge to be rounded off.
+    #[test]
+    fn folds_over_a_bend_are_those_of_panels() {
+        let mesh = gable(120.0).0;
+        let across = |k: u32| (f64::from(k) * 10.0 - 60.0).to_radians().sin_cos();
+        let row = |k: u32| [0.0, 1.0].map(|y| Vec3::new(across(k).0, y, across(k).1 - 1.0));
+        let places: Vec<Vec3> = (0..=12).flat_map(row).collect();
+        let strip = |k: u32| [[2 * k, 2 * k + 2, 2 * k + 3], [2 * k, 2 * k + 3, 2 * k + 1]];
+        let triangles: Vec<[u32; 3]> = (0..12).flat_map(strip).collect();
+        let vault = TriangleSurface::new(places, &triangles).unwrap();
+        let found = violations(&mesh, None, &ValidateOptions::default());
+        assert_eq!(fold_advice(&mesh, &vault, &found).as_deref(), Some(SMALLER));
     }
 }
