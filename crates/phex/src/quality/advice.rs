@@ -167,8 +167,8 @@ fn fold_advice(
     }
 }
 
-/// Angle by which a surface turns between two places, and the largest within one of [`STEPS`] on the
-/// way, degrees: at an edge it turns at once.
+/// Angle by which a surface turns between two places, and the largest within one of [`STEPS`] on
+/// the way, degrees: at an edge it turns at once.
 fn turn_between(surface: &TriangleSurface, [from, to]: [Vec3; 2]) -> [f64; 2] {
     let place = |k: usize| from + (to - from) * (k as f64 / STEPS as f64);
     let normal = |p| surface.area_vector(surface.closest_point(p).triangle);
