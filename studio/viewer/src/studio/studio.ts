@@ -531,10 +531,12 @@ export class Studio {
     close.dataset.act = "close";
     const more = kind === "running" ? [bar, cancel] : kind === "stopped" ? [again] : kind === "problem" ? [close] : [];
     const mark = this.view && (kind === "running" || kind === "preview") && this.view.previewed > 0 ? [h("b", { class: "preview-mark" }, say("Preview, not checked"))] : [];
-    // The button under the pointer stays the same one while the text beside it changes.
+    // The button under the pointer stays in its place while the text beside it changes: a press on
+    // one that is taken out and put back before the pointer is up is no click.
     const stays = kind === "running" ? box.querySelector<HTMLElement>('[data-act="stop"]') : null;
     if (stays) {
-      box.replaceChildren(...mark, line, bar, stays);
+      for (const other of [...box.children]) if (other !== stays) other.remove();
+      stays.before(...mark, line, bar);
     } else box.replaceChildren(...mark, line, ...more);
     if (kind === "problem" || kind === "gone") this.announce(text);
   }
