@@ -786,7 +786,7 @@ mod tests {
         assert_eq!(pinholes(2.0, &surface(&faces)), None);
         faces.remove(24);
         let told = pinholes(2.0, &surface(&faces));
-        assert!(told.is_some_and(|note| note.starts_with("1 holes") && note.contains(", 0): ")));
+        assert!(told.is_some_and(|note| note.starts_with("a hole is") && note.contains(", 0): ")));
         assert_eq!(pinholes(1.0, &surface(&faces)), None, "wider than panels");
     }
 
