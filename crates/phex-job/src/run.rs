@@ -554,14 +554,16 @@ fn pinholes(edge: f64, facets: &TriangleSurface) -> Option<String> {
     let first = facets.positions()[*small.first()?.first()?];
     // So many digits as tell the place.
     let [x, y, z] = <[f64; 3]>::from(first).map(|x| x as f32);
-    let holes = match small.len() {
-        1 => "a hole is".to_owned(),
-        n => format!("{n} holes are"),
-    };
-    Some(format!(
-        "{holes} smaller than half a panel, the first at ({x}, {y}, {z}): panels keep them open; close them \
-         where triangles of the file are missing"
-    ))
+    Some(match small.len() {
+        1 => format!(
+            "a hole at ({x}, {y}, {z}) is smaller than half a panel: panels keep it open; close it if \
+             triangles of the file are missing there"
+        ),
+        n => format!(
+            "{n} holes are smaller than half a panel, the first at ({x}, {y}, {z}): panels keep them open; \
+             close them where triangles of the file are missing"
+        ),
+    })
 }
 
 /// What is set and a warm start does not heed, and what asks for a boundary that there is not.
@@ -786,7 +788,9 @@ mod tests {
         assert_eq!(pinholes(2.0, &surface(&faces)), None);
         faces.remove(24);
         let told = pinholes(2.0, &surface(&faces));
-        assert!(told.is_some_and(|note| note.starts_with("a hole is") && note.contains(", 0): ")));
+        assert!(
+            told.is_some_and(|note| note.starts_with("a hole at") && note.contains(", 0) is "))
+        );
         assert_eq!(pinholes(1.0, &surface(&faces)), None, "wider than panels");
     }
 
