@@ -16,7 +16,7 @@ use crate::portfolio::members;
 use crate::settings::{MeshSettings, TypedPanelSize};
 use crate::size_field::SizeField;
 use crate::suggestion::SurfaceKind;
-use crate::units::four_digits;
+use crate::units::{Unit, four_digits};
 use crate::wishes::{Wishes, check_near};
 use phex::directions::Cone;
 use phex::layout::MAX_PANELS;
@@ -237,9 +237,13 @@ impl<'a> MeshTask<'a> {
             Some((earlier, _)) => earlier.topology().n_faces() as u64,
             None => panels(job, field.as_ref(), &facets, &components)?,
         };
+        if job.start.is_none() && job.settings.panels.is_none() && panels >= MANY_PANELS {
+            notes.say(many_panels(panels, job.settings.unit()));
+        }
         let edge = edge_length(facets.area() / panels as f64);
+        let unit = job.settings.unit();
         let thin = components.iter();
-        let thin = thin.filter_map(|part| thinner_than(edge, &part.surface));
+        let thin = thin.filter_map(|part| thinner_than(edge, &part.surface, unit));
         thin.for_each(|note| notes.say(note));
         let holes = pinholes(edge, &facets);
         holes.into_iter().for_each(|note| notes.say(note));
@@ -500,6 +504,17 @@ fn size_field(
     field.map(of).transpose()
 }
 
+/// Panels from which on a run takes a minute and more, so that a mistyped length is told at once.
+const MANY_PANELS: u64 = 20_000;
+
+/// What is said of so many panels where their number was not typed, but lengths or areas.
+fn many_panels(panels: u64, unit: Unit) -> String {
+    format!(
+        "the sizes that were given ask for {panels} panels, which take minutes: if they are too many, is the \
+         unit right ({unit})?"
+    )
+}
+
 fn panels(
     job: &MeshJob,
     field: Option<&SizeField>,
@@ -529,7 +544,7 @@ const OF_THICKNESS: f64 = 0.25;
 
 /// What is said of a closed surface that is thinner than the edges of its panels are long: most
 /// often it is a shell with its thickness.
-fn thinner_than(edge: f64, surface: &TriangleSurface) -> Option<String> {
+fn thinner_than(edge: f64, surface: &TriangleSurface, unit: Unit) -> Option<String> {
     let thickness = surface.thickness().filter(|t| *t < edge)?;
     let enough = SurfaceKind::new(surface).of_deviation(OF_THICKNESS * thickness);
     let or_more = match enough.edge_length < edge && enough.panels < MAX_PANELS as u64 {
@@ -539,7 +554,7 @@ fn thinner_than(edge: f64, surface: &TriangleSurface) -> Option<String> {
         ),
         false => String::new(),
     };
-    let [thickness, edge] = [thickness, edge].map(four_digits);
+    let [thickness, edge] = [thickness, edge].map(|x| format!("{} {unit}", four_digits(x)));
     Some(format!(
         "the surface is closed and only {thickness} thick (twice its volume over its area), edges of panels are \
          {edge}: to cover a shell that has a thickness, give one of its two sides{or_more}"
@@ -749,23 +764,33 @@ mod tests {
         };
         let plate = surface(&faces);
         assert!(
-            thinner_than(0.5, &plate).is_some_and(|note| note.contains("one of its two sides"))
+            thinner_than(0.5, &plate, Unit::M)
+                .is_some_and(|note| note.contains("one of its two sides"))
         );
-        assert_eq!(thinner_than(0.1, &plate), None);
+        assert_eq!(thinner_than(0.1, &plate, Unit::M), None);
         faces.pop();
-        assert_eq!(thinner_than(0.5, &surface(&faces)), None);
+        assert_eq!(thinner_than(0.5, &surface(&faces), Unit::M), None);
     }
 
     #[test]
     fn a_thin_ring_is_told_how_many_panels_keep_its_sides_apart() {
         let shape = Shape::from_name("torus", &[("minor", 0.1)]).unwrap();
         let ring = triangulate(&shape, &TriangulationOptions::default()).unwrap();
-        let note = thinner_than(0.2, &ring).unwrap();
+        let note = thinner_than(0.2, &ring, Unit::M).unwrap();
         let (_, after) = note.split_once("keep apart from about ").expect("a number");
         let panels: f64 = after.split(' ').next().unwrap().parse().unwrap();
         // Panels of edge e and curvature 10 are 2.5 e^2 off, which is to be 0.1 / 4 at the most.
         let expected = ring.area() / (1.5 * 3.0_f64.sqrt() * 0.01);
         assert!((panels / expected - 1.0).abs() < 0.25, "{note} {expected}");
+    }
+
+    #[test]
+    fn many_panels_that_nobody_typed_are_told() {
+        let told = many_panels(48_060, Unit::Mm);
+        assert!(
+            told.contains("48060 panels") && told.contains("(mm)"),
+            "{told}"
+        );
     }
 
     #[test]

@@ -15,12 +15,12 @@ use super::{Candidate, Clock, Effort, MeshOptions, MeshRun, Method, PipelineErro
 use crate::layout::same_topology;
 use crate::optimise::{self, BoundaryHold, PUT_THERE, Quotient, Steering, SurfaceTarget};
 use crate::progress::{Event, Progress};
-use crate::quality::{Judge, Limits, Merit, References};
+use crate::quality::{Assessment, Judge, Limits, Merit, References};
 use crate::repetition::RepetitionTask;
 use crate::search::{AreaField, Site, search};
 use crate::smooth_surface::{self, SmoothTarget};
 use crate::symmetry::{
-    self, FoldedTarget, Found, Group, Isometry, Orbits, SYMMETRY_TOLERANCE, Symmetry,
+    self, FoldedTarget, Found, Group, Isometry, Orbits, SYMMETRY_TOLERANCE, Symmetries, Symmetry,
     SymmetrySummary, WholePanels,
 };
 use crate::trim::Boundary;
@@ -78,14 +78,14 @@ fn symmetric(
     }
     let smooth = clock.stage("target", || smooth_target(surface, panels, options))?;
     let whole = smooth.finest();
-    let (found, turns) = clock.stage("symmetry", || symmetry::find(whole, SYMMETRY_TOLERANCE))?;
-    let found = found.ok_or_else(|| without_mirrors(turns))?;
-    let groups = used(&found, whole, panels, options.symmetry)?;
+    let has = clock.stage("symmetry", || symmetry::find(whole, SYMMETRY_TOLERANCE))?;
+    let found = has.mirrored.as_ref().ok_or_else(|| without_mirrors(&has))?;
+    let groups = used(found, whole, panels, options.symmetry)?;
     let facets = References::of_facets(Some(surface));
     let judge = Judge::new(whole, facets, options.limits());
     let made = |group: Group, share: f64| {
         let panels = (share * panels as f64).round() as usize;
-        let domain = DomainPanels::new(whole, &found, group, panels, options)?;
+        let domain = DomainPanels::new(whole, found, group, panels, options)?;
         let run = domain.mesh(clock)?;
         Ok((judge.whole(&run.mesh, run.wished.as_slice()).merit, run))
     };
@@ -99,7 +99,17 @@ fn symmetric(
     // What is there is kept where there is no time for anything else.
     let is_welcome = options.symmetry == Symmetry::Auto && !progress.is_cancelled();
     if is_welcome && !merit.is_within() {
-        return Err(format!("with the symmetry {names} panels are outside limits").into());
+        let smooth = Some(whole);
+        let checks = Assessment::new(
+            &run.mesh,
+            References { smooth, ..facets },
+            &options.limits(),
+        );
+        let failed: Vec<&str> = checks.failures().map(|check| check.name).collect();
+        let failed = failed.join(", ");
+        return Err(
+            format!("with the symmetry {names} panels are outside limits: {failed}").into(),
+        );
     }
     run.statistics.target_vertices = Statistics::of(&smooth, panels).target_vertices;
     run.statistics.panels_asked = panels;
@@ -121,14 +131,20 @@ fn within_tolerance() -> String {
     format!("within {} % of its diagonal", 100.0 * SYMMETRY_TOLERANCE)
 }
 
-/// What is said of a surface without mirror planes that has a rotation of an order, or none.
-fn without_mirrors(turns: Option<u32>) -> String {
+/// What is said of a surface without mirror planes: whether it has a rotation, or nearly such a
+/// plane.
+fn without_mirrors(has: &Symmetries) -> String {
     let within = within_tolerance();
-    match turns {
+    let nearly = has.nearly.map_or_else(String::new, |off| {
+        let percent = 100.0 * off;
+        format!(": its image in the best one is {percent:.3} % off")
+    });
+    match has.turns {
         Some(n) => format!(
-            "the surface has a rotation of order {n} and no mirror plane {within}, and panels follow mirror planes alone"
+            "the surface has a rotation of order {n} and no mirror plane {within}{nearly}, and panels follow mirror planes \
+             alone"
         ),
-        None => format!("the surface has no mirror plane {within}"),
+        None => format!("the surface has no mirror plane {within}{nearly}"),
     }
 }
 
@@ -159,7 +175,7 @@ pub(super) fn unused(ground: &Ground) -> Option<String> {
     }
     // It is a hint: the level of the directions, with a quarter of the vertices, is enough.
     let level = &ground.smooth.levels[ground.field_level(options)];
-    symmetry::find(level, SYMMETRY_TOLERANCE).0?;
+    symmetry::find(level, SYMMETRY_TOLERANCE).mirrored?;
     // Which group it is the full surface decides, where it is asked for.
     let told =
         "the surface has mirror planes that panels do not follow; with `--symmetry auto` they may";

@@ -278,9 +278,10 @@ pub(super) const SMALLER: &str = "smaller ones there (--adaptive)";
 fn nearer(panels: usize, [limit, value]: [f64; 2], or: &str) -> String {
     let enough = (panels as f64 * value / limit).ceil();
     if enough > MAX_PANELS as f64 {
-        return "no number of panels: the mesh is nowhere near all of the surface; look for another unit or origin, or for \
-                a spike of the surface there"
-            .to_owned();
+        return format!(
+            "no number of panels up to {MAX_PANELS}: a larger deviation or, if the mesh is nowhere near the surface, \
+             another unit or origin, or a surface without a spike there"
+        );
     }
     format!(
         "about {enough} panels instead of {panels}, if all shrink alike, {or}, or a larger deviation"

@@ -60,19 +60,32 @@ pub(crate) struct Found {
     pub revolution: bool,
 }
 
+/// What was found of a surface.
+#[derive(Clone, Debug)]
+pub(crate) struct Symmetries {
+    /// The largest group of mirror planes.
+    pub mirrored: Option<Found>,
+    /// The largest order of a rotation, with mirror planes or without.
+    pub turns: Option<u32>,
+    /// Where there is no mirror plane the least distance of an image of the surface to it that
+    /// was found, in a plane that nearly is one.
+    pub nearly: Option<f64>,
+}
+
 /// What a surface allows about one axis.
 #[derive(Clone, Copy)]
 struct About {
     frame: Frame,
     turns: u32,
     mirrors: bool,
+    /// Distance of the image in a plane that nearly is a mirror plane.
+    nearly: Option<f64>,
     level: bool,
     revolution: bool,
 }
 
-/// The largest group of mirror planes of a surface, and the order of a rotation without mirror
-/// planes if there is nothing else; lengths in the surface's unit.
-pub(crate) fn find(surface: &TriangleSurface, tolerance: f64) -> (Option<Found>, Option<u32>) {
+/// The symmetries of a surface; lengths in the surface's unit.
+pub(crate) fn find(surface: &TriangleSurface, tolerance: f64) -> Symmetries {
     let search = AxisSearch::new(surface, tolerance);
     let axes = search.axes();
     let mut about: Vec<About> = axes.par_iter().map(|axis| search.about(*axis)).collect();
@@ -81,8 +94,9 @@ pub(crate) fn find(surface: &TriangleSurface, tolerance: f64) -> (Option<Found>,
     // A door in one wall leaves the mirror plane through it.
     let one_plane = with_mirrors.clone().map(About::one_plane);
     // Only some vertices have been looked at.
-    let fits = |a: &About| search.distance(&a.frame, &a.generators(), usize::MAX) <= tolerance;
-    let found = with_mirrors.chain(one_plane).find(fits).map(|a| Found {
+    let off = |a: &About| search.distance(&a.frame, &a.generators(), usize::MAX);
+    let (missed, mirrored) = first_within(with_mirrors.chain(one_plane), off, tolerance);
+    let mirrored = mirrored.map(|a| Found {
         frame: a.frame,
         group: Group {
             rotations: a.turns,
@@ -90,8 +104,29 @@ pub(crate) fn find(surface: &TriangleSurface, tolerance: f64) -> (Option<Found>,
         },
         revolution: a.revolution,
     });
-    let turns = about.iter().map(|a| a.turns).max().filter(|n| *n > 1);
-    (found, turns)
+    let nearly = about.iter().filter_map(|a| a.nearly).chain(missed);
+    Symmetries {
+        nearly: nearly.reduce(f64::min).filter(|_| mirrored.is_none()),
+        turns: about.iter().map(|a| a.turns).max().filter(|n| *n > 1),
+        mirrored,
+    }
+}
+
+/// The first whose distance is within a tolerance, and the distances of those before it.
+fn first_within(
+    candidates: impl Iterator<Item = About>,
+    distance: impl Fn(&About) -> f64,
+    tolerance: f64,
+) -> (Vec<f64>, Option<About>) {
+    let mut missed = Vec::new();
+    for candidate in candidates {
+        let off = distance(&candidate);
+        if off <= tolerance {
+            return (missed, Some(candidate));
+        }
+        missed.push(off);
+    }
+    (missed, None)
 }
 
 /// Whether a surface has a rotation of an order about the axis of a frame.
@@ -219,6 +254,7 @@ impl<'a> AxisSearch<'a> {
             frame,
             turns: 1,
             mirrors: false,
+            nearly: None,
             level: false,
             revolution: false,
         };
@@ -366,10 +402,14 @@ impl<'a> AxisSearch<'a> {
         if then <= self.tolerance && then <= 1.5 * now + 0.1 * self.tolerance {
             about.frame = simple;
         }
-        let fits = |map: &Matrix3<f64>| {
-            self.distance(&about.frame, std::slice::from_ref(map), SOME) <= self.tolerance
-        };
-        about.mirrors &= fits(&reflection(Vec3::y()));
+        let frame = about.frame;
+        let off = |map: &Matrix3<f64>| self.distance(&frame, std::slice::from_ref(map), SOME);
+        let fits = |map: &Matrix3<f64>| off(map) <= self.tolerance;
+        if about.mirrors {
+            let nearly = off(&reflection(Vec3::y()));
+            about.mirrors = nearly <= self.tolerance;
+            about.nearly = (!about.mirrors).then_some(nearly);
+        }
         about.level &= fits(&reflection(Vec3::z()));
         about.revolution &= fits(&turn(7, 100)) && fits(&turn(16, 100));
         if about.turns > 1 && !about.revolution && !fits(&turn(1, about.turns)) {

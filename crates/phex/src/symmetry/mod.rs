@@ -19,7 +19,7 @@ mod unfold;
 
 pub use choice::Symmetry;
 pub(crate) use cut::cut;
-pub(crate) use find::{Found, distance, find, has_turn};
+pub(crate) use find::{Found, Symmetries, distance, find, has_turn};
 pub(crate) use group::Group;
 pub(crate) use quotient::{WholePanels, completed, irregular_panels, quotient_of};
 pub(crate) use target::FoldedTarget;

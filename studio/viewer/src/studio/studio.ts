@@ -447,7 +447,12 @@ export class Studio {
   private progress(stage: string, whole: { done: number; left_seconds: number }): void {
     const percent = Math.round(100 * whole.done);
     const left = say("about {} s left", Math.max(1, Math.round(whole.left_seconds)));
-    this.say(`${say(STAGES[stage] ?? stage)} · ${percent} % · ${left}`, "running", whole.done);
+    this.tell(`${say(STAGES[stage] ?? stage)} · ${percent} % · ${left}`, "running", whole.done);
+  }
+
+  /** Tells of a run that goes well, unless there is a problem that nobody has closed yet. */
+  private tell(text: string, kind: string, share: number | null = null): void {
+    if (this.parts("status").dataset.kind !== "problem") this.say(text, kind, share);
   }
 
   private take(result: Result): void {
@@ -456,7 +461,7 @@ export class Studio {
     this.result = result;
     this.stale = false;
     this.view.showResult(result.view);
-    this.say("", "");
+    this.tell("", "");
     this.announce(say(result.verdict === "pass" ? "Pass" : result.verdict === "invalid" ? "Invalid" : "Outside tolerance"));
     this.showOutcome();
     requestAnimationFrame(() => requestAnimationFrame(() => this.remember(result)));
