@@ -319,8 +319,9 @@ pub(super) fn without_long_triangles(
     let mirrors: Vec<[Vec3; 2]> = mirrors.map(|m| [m.point.into(), m.normal.into()]).collect();
     let is_laid_out =
         options.method == Method::Lattice && options.target.kind != TargetKind::HalfWay;
+    let evenly = !options.varies_sizes();
     is_laid_out
-        .then(|| smooth_surface::cut_short(input, wanted(panels, options), &mirrors))
+        .then(|| smooth_surface::cut_short(input, (wanted(panels, options), evenly), &mirrors))
         .flatten()
 }
 

@@ -158,7 +158,7 @@ impl Default for MeshOptions {
 
 impl MeshOptions {
     /// Whether panels are to be smaller at some places than at others.
-    pub(super) fn varies_sizes(&self) -> bool {
+    pub(crate) fn varies_sizes(&self) -> bool {
         self.sizes.adaptive.is_some() || self.size_field.is_some()
     }
 

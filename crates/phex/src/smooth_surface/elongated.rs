@@ -30,7 +30,11 @@ const LONG: f64 = 2.5;
 /// Share of the area in long triangles, and in large ones at creases, from which on they are cut:
 /// meshes of CAD programs have .15 to .6, those of rows and of marching cubes less.
 const MUCH: f64 = 0.15;
-/// Edge from which on a triangle at a crease is large, in units of the spacing.
+/// Share of the area in triangles that are large among many that are not from which on they are
+/// cut: the flat end of a lathed body that is one fan has about as much.
+const UNEVEN: f64 = 0.1;
+/// Edge from which on a triangle is large: at a crease in units of the spacing, elsewhere in those
+/// of the spacing of as many triangles as there are, if that is more.
 const LARGE: f64 = 2.0;
 /// Longest edge that is left, in units of the spacing: half of it, as inputs have that are finer
 /// than panels need.
@@ -71,15 +75,16 @@ impl CutShort {
 }
 
 /// The surface with edges no longer than 3/4 of the spacing of `wanted` vertices; `None` where most
-/// triangles are about as wide as long, and small at creases. Edges in one of the `mirrors`, each a
-/// point of a plane and its unit normal, stay in it.
+/// triangles are about as wide as long, small at creases and, for panels of one size (`evenly`), of
+/// about one size. Edges in one of the `mirrors`, each a point of a plane and its unit normal, stay
+/// in it.
 pub(crate) fn cut_short(
     surface: &TriangleSurface,
-    wanted: usize,
+    (wanted, evenly): (usize, bool),
     mirrors: &[[Vec3; 2]],
 ) -> Option<CutShort> {
     let spacing = spacing(surface, wanted);
-    if !is_elongated(surface, spacing) {
+    if !(is_elongated(surface, spacing) || evenly && is_uneven(surface, spacing)) {
         return None;
     }
     let mut steps = Vec::new();
@@ -194,6 +199,22 @@ fn arched_normals(surface: &TriangleSurface) -> PerVertex<Vec3> {
     })
 }
 
+/// Whether much of a surface is in triangles that are large among many that are not: where the
+/// spacing is theirs panels of one size would be as uneven as the triangles.
+fn is_uneven(surface: &TriangleSurface, wanted: f64) -> bool {
+    let faces = surface.topology().faces();
+    let even = wanted.max(spacing(surface, faces.len() / 2));
+    let is_large = |f: &FaceId| longest_side(surface, *f) > LARGE * even;
+    let large: f64 = faces.filter(is_large).map(|f| surface.face_area(f)).sum();
+    large > UNEVEN * surface.area()
+}
+
+fn longest_side(surface: &TriangleSurface, f: FaceId) -> f64 {
+    let [a, b, c] = surface.corners(f);
+    let sides = [b - a, c - b, a - c].map(|side| side.norm());
+    sides.into_iter().fold(0.0, f64::max)
+}
+
 /// Whether much of a surface is in triangles that are long, or large and at creases.
 fn is_elongated(surface: &TriangleSurface, spacing: f64) -> bool {
     let equilateral = 0.25 * 3.0_f64.sqrt();
@@ -205,12 +226,10 @@ fn is_elongated(surface: &TriangleSurface, spacing: f64) -> bool {
     }
     let area = |f: FaceId| surface.face_area(f);
     let is_long = |f: &FaceId| {
-        let [a, b, c] = surface.corners(*f);
-        let longest = [b - a, c - b, a - c].map(|side| side.norm_squared());
-        let longest = longest.into_iter().fold(0.0, f64::max);
+        let longest = longest_side(surface, *f);
         let touches = || topology.face_vertices(*f).iter().any(|v| at_crease[*v]);
-        let is_large = longest > (LARGE * spacing).powi(2);
-        equilateral * longest > LONG * area(*f) || is_large && touches()
+        let is_large = longest > LARGE * spacing;
+        equilateral * longest * longest > LONG * area(*f) || is_large && touches()
     };
     let long: f64 = topology.faces().filter(is_long).map(area).sum();
     long > MUCH * surface.area()
@@ -345,6 +364,7 @@ fn middle_normal(surface: &TriangleSurface, ends: [VertexId; 2]) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::PI;
 
     /// A vault of `along` by `around` rectangles, half a turn of a cylinder of radius 1.
     fn vault(along: u32, around: u32) -> TriangleSurface {
@@ -369,7 +389,7 @@ mod tests {
     #[test]
     fn strips_of_a_vault_are_cut_along_it() {
         let strips = vault(1, 40);
-        let cut = cut_short(&strips, 500, &[]).unwrap();
+        let cut = cut_short(&strips, (500, true), &[]).unwrap();
         let topology = cut.surface.topology();
         assert_eq!(topology.euler_characteristic(), 1);
         let most = DIAGONAL * LONGEST * (strips.area() * 2.0 / (3.0_f64.sqrt() * 500.0)).sqrt();
@@ -413,7 +433,7 @@ mod tests {
     fn a_rim_stays_sharp_and_round() {
         let around = 48;
         let can = can(around);
-        let cut = cut_short(&can, 1000, &[]).unwrap();
+        let cut = cut_short(&can, (1000, true), &[]).unwrap();
         let topology = cut.surface.topology();
         assert_eq!(topology.euler_characteristic(), 2);
         let sagitta = 1.0 - (std::f64::consts::PI / f64::from(around)).cos();
@@ -470,7 +490,7 @@ mod tests {
         let places = flat.positions().enumerate().map(bent).collect();
         let cap =
             TriangleSurface::from_topology(PerVertex::from_vec(places), flat.topology().clone());
-        let cut = cut_short(&cap, 1000, &[]).unwrap();
+        let cut = cut_short(&cap, (1000, true), &[]).unwrap();
         let topology = cut.surface.topology();
         for (v, p) in cut.surface.positions().enumerate() {
             let beyond = p.x.abs().max(p.y.abs()) - 1.0;
@@ -485,14 +505,31 @@ mod tests {
     #[test]
     fn needles_are_not_cut_without_end() {
         let needles = vault(1, 4000);
-        let cut = cut_short(&needles, 10, &[]).unwrap();
+        let cut = cut_short(&needles, (10, true), &[]).unwrap();
         assert!(cut.surface.positions().len() < 10 * needles.positions().len());
     }
 
     #[test]
     fn triangles_about_as_wide_as_long_stay() {
-        assert!(cut_short(&vault(40, 40), 5000, &[]).is_none());
-        assert!(cut_short(&vault(16, 40), 5000, &[]).is_none());
+        assert!(cut_short(&vault(40, 40), (5000, true), &[]).is_none());
+        assert!(cut_short(&vault(16, 40), (5000, true), &[]).is_none());
+    }
+
+    #[test]
+    fn large_triangles_among_small_ones_are_cut_for_panels_of_one_size() {
+        // Half of an annulus in squares that grow with the radius, from 0.04 to 1.
+        let grown = |p: &Vec3| {
+            let (angle, radius) = (p.z.atan2(p.y), (PI * (p.x / 3.0 - 1.0)).exp());
+            Vec3::new(radius * angle.cos(), radius * angle.sin(), 0.0)
+        };
+        let even = vault(40, 40);
+        let places = even.positions().map(grown);
+        let graded = TriangleSurface::from_topology(places, even.topology().clone());
+        let cut = cut_short(&graded, (1000, true), &[]).unwrap().surface;
+        let mut edges = cut.topology().edges();
+        let most = DIAGONAL * LONGEST * spacing(&graded, 1000);
+        assert!(edges.all(|e| cut.edge_length(e) <= most));
+        assert!(cut_short(&graded, (1000, false), &[]).is_none());
     }
 
     #[test]
@@ -504,7 +541,7 @@ mod tests {
             tilted.positions().map(narrower),
             tilted.topology().clone(),
         );
-        let cut = cut_short(&tilted, 500, &[[Vec3::zeros(), Vec3::x()]]).unwrap();
+        let cut = cut_short(&tilted, (500, true), &[[Vec3::zeros(), Vec3::x()]]).unwrap();
         let at_end = cut.surface.topology().boundary_loops().concat();
         let places = at_end.iter().map(|v| cut.surface.positions()[*v]);
         let in_plane = places.filter(|p| p.x.abs() < 1e-3);
@@ -538,7 +575,7 @@ mod tests {
         });
         let body = TriangleSurface::new(places, &triangles.collect::<Vec<_>>()).unwrap();
         for wanted in (1..12).map(|k| 700 * k) {
-            let cut = cut_short(&body, wanted, &[]).unwrap().surface;
+            let cut = cut_short(&body, (wanted, true), &[]).unwrap().surface;
             let topology = cut.topology();
             assert!(
                 topology.is_closed() && topology.euler_characteristic() == 2,
@@ -563,7 +600,7 @@ mod tests {
             .flat_map(|a| [[a, a + 2, a + 3], [a, a + 3, a + 1]]);
         let triangles: Vec<[u32; 3]> = triangles.collect();
         let plate = TriangleSurface::new(places.collect(), &triangles).unwrap();
-        let cut = cut_short(&plate, 600, &[]).unwrap().surface;
+        let cut = cut_short(&plate, (600, true), &[]).unwrap().surface;
         let off = cut
             .positions()
             .iter()
