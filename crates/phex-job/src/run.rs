@@ -354,6 +354,7 @@ impl<'a> MeshTask<'a> {
             facets: Some(&self.facets),
             beyond: beyond.as_ref().map(|[smooth, facets]| [smooth, facets]),
             elsewhere: &elsewhere,
+            asked: Some(self.panels as usize),
         };
         let mut assessment = self.limits.judge(&mesh, references);
         assessment.measures = (assessment.measures).over_wished(&mesh, &joined_wished(&runs));
