@@ -80,6 +80,8 @@ fn symmetric(
     let whole = smooth.finest();
     let has = clock.stage("symmetry", || symmetry::find(whole, SYMMETRY_TOLERANCE))?;
     let found = has.mirrored.as_ref().ok_or_else(|| without_mirrors(&has))?;
+    let across = half_turn_across(found, options.symmetry);
+    let found = across.as_ref().unwrap_or(found);
     let groups = used(found, whole, panels, options.symmetry)?;
     let facets = References::of_facets(Some(surface));
     let judge = Judge::new(whole, facets, options.limits());
@@ -306,6 +308,14 @@ impl<E: Into<PipelineError>> From<E> for NotSymmetric {
             error => Self::Symmetry(error.to_string()),
         }
     }
+}
+
+/// What was found about the axis of its half turn, where one is wanted that is about another axis
+/// than the rotations that were found.
+fn half_turn_across(found: &Found, wanted: Symmetry) -> Option<Found> {
+    let is_about_axis = found.revolution || found.group.rotations.is_multiple_of(2);
+    let is_other = wanted == Symmetry::Turns(2) && !is_about_axis;
+    found.half_turn_across().filter(|_| is_other)
 }
 
 /// The parts of the group that panels may follow, one after the other until they are within limits.
