@@ -97,7 +97,8 @@ impl<'a> References<'a> {
 pub enum Verdict {
     /// Every check holds.
     Pass,
-    /// A valid mesh, but a figure is outside its limit.
+    /// Panels are simple and lie side by side, but a figure, planarity included, is outside its
+    /// limit.
     OutsideTolerance,
     /// No valid mesh.
     Invalid,
