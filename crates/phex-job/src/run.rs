@@ -229,7 +229,10 @@ impl<'a> MeshTask<'a> {
         let facets = joined(components.iter().map(|c| &c.surface))?;
         let mut sentences = job.parts.notes.sentences();
         sentences.extend(crumbs);
-        sentences.extend(job.settings.unit().doubted(facets.diagonal()));
+        let (unit, across) = (job.settings.unit(), facets.diagonal());
+        job.settings.limits.check_edges(unit, across)?;
+        sentences.extend(unit.doubted(across));
+        sentences.extend(job.settings.limits.doubted(unit, across));
         sentences.extend(without_effect(job, &facets));
         sentences.into_iter().for_each(|note| notes.say(note));
         let field = size_field(job, &components)?;
