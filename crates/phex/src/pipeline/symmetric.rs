@@ -116,7 +116,9 @@ fn symmetric(
     run.statistics.target_vertices = Statistics::of(&smooth, panels).target_vertices;
     run.statistics.panels_asked = panels;
     if let Some(summary) = &run.statistics.symmetry {
-        let message = followed(summary, &groups);
+        let irregular = phex_mesh::irregular_faces(run.mesh.topology());
+        let price = price_of(irregular, merit.is_within());
+        let message = format!("{}{price}", followed(summary, &groups));
         progress.report(&Event::Note { message });
     }
     Ok(run)
@@ -169,6 +171,24 @@ fn followed(summary: &SymmetrySummary, groups: &[Group]) -> String {
     }
 }
 
+/// What a symmetry may have cost, for the end of a sentence.
+fn price_of(irregular: usize, is_within: bool) -> String {
+    let irregular = match irregular {
+        0 => None,
+        1 => Some("one panel is irregular without need".to_owned()),
+        n => Some(format!("{n} panels are irregular without need")),
+    };
+    let outside = (!is_within).then(|| "panels are outside limits".to_owned());
+    let told: Vec<String> = irregular.into_iter().chain(outside).collect();
+    match told.is_empty() {
+        true => String::new(),
+        false => format!(
+            "; {}, which they may not be without the symmetry",
+            told.join(" and ")
+        ),
+    }
+}
+
 /// What is told where panels could have symmetries of the surface and were not asked to.
 pub(super) fn unused(ground: &Ground) -> Option<String> {
     let options = &ground.options;
@@ -179,8 +199,7 @@ pub(super) fn unused(ground: &Ground) -> Option<String> {
     let level = &ground.smooth.levels[ground.field_level(options)];
     symmetry::find(level, SYMMETRY_TOLERANCE).mirrored?;
     // Which group it is the full surface decides, where it is asked for.
-    let told =
-        "the surface has mirror planes that panels do not follow; with `--symmetry auto` they may";
+    let told = "the surface has mirror planes that panels do not follow; `--symmetry auto` tries whether they can, and may take twice as long";
     Some(told.to_owned())
 }
 
@@ -672,7 +691,14 @@ impl<'a> DomainPanels<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::fewer_turns;
+    use super::{fewer_turns, price_of};
+
+    #[test]
+    fn what_a_symmetry_costs_is_told() {
+        assert_eq!(price_of(0, true), "");
+        assert!(price_of(24, true).starts_with("; 24 panels are irregular without need, which"));
+        assert!(price_of(1, false).contains("without need and panels are outside limits, which"));
+    }
 
     #[test]
     fn smaller_groups_are_parts_of_the_larger_ones() {
