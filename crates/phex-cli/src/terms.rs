@@ -36,9 +36,10 @@ indicatrix     Dupin's: the curve in which a plane near the tangent plane cuts
                the surface. Small hexagons are inscribed in it
 conjugate      of two directions a, b in the surface: II(a, b) = 0. Rows of
                quadrilaterals with planar panels have them
-verdict        PASS: every check holds. OUTSIDE TOLERANCE: a valid mesh with a
-               figure outside its limit (exit code 3). INVALID: no panelling
-               (exit code 5, not written without --keep-invalid)";
+verdict        PASS: every check holds. OUTSIDE TOLERANCE: panels are simple
+               and lie side by side, and a figure, as of planarity, is outside
+               its limit (exit code 3). INVALID: no panelling (exit code 5, not
+               written without --keep-invalid)";
 
 #[cfg(test)]
 mod tests {

@@ -2,7 +2,7 @@
 
 use crate::error::JobError;
 use crate::hexagon::hexagon_area;
-use crate::units::{Area, Quantity, Rectangle, Unit};
+use crate::units::{Area, Quantity, Rectangle, Unit, four_digits};
 use phex::quality::{Check, Reading};
 use phex::ranges::{self, BadOption};
 use phex_mesh::PanelLimits;
@@ -152,6 +152,42 @@ impl LimitSettings {
         ranges::below(180.0, &[("min-angle", self.min_angle.unwrap_or(1.0))])
     }
 
+    /// Refuses edges that are to be longer than the surface is across: no panel has them.
+    ///
+    /// # Errors
+    /// If they are.
+    pub(crate) fn check_edges(&self, unit: Unit, diagonal: f64) -> Result<(), JobError> {
+        let too_long = (self.min_edge).filter(|edge| edge.length(unit, diagonal) > diagonal);
+        too_long.map_or(Ok(()), |edge| {
+            Err(JobError::input(format!(
+                "min-edge {edge} is longer than the surface, which is {} {unit} across: is the unit right, of the model and of min-edge?",
+                four_digits(diagonal)
+            )))
+        })
+    }
+
+    /// What is said of largest sizes that exceed the whole surface.
+    pub(crate) fn doubted(&self, unit: Unit, diagonal: f64) -> Option<String> {
+        let limits = self.in_units(unit, diagonal);
+        let sides = limits.max_panel.map(|[a, b]| a.min(b));
+        let exceed = [
+            ("max-panel", sides),
+            ("max-edge", limits.max_edge),
+            ("max-area", limits.max_area.map(f64::sqrt)),
+        ];
+        let exceed = exceed
+            .into_iter()
+            .filter(|l| l.1.is_some_and(|x| x > diagonal));
+        let names: Vec<&str> = exceed.map(|limit| limit.0).collect();
+        (!names.is_empty()).then(|| {
+            format!(
+                "the surface is {} {unit} across, less than a single panel may be by {}: is the unit right, of the model and of the limit?",
+                four_digits(diagonal),
+                names.join(" and ")
+            )
+        })
+    }
+
     /// Area of a mean panel that leaves room below the limits of size, and the limit that asks for
     /// it; `None` where there is none.
     pub fn mean_area(&self, unit: Unit, whole: f64) -> Option<(f64, &'static str)> {
@@ -245,6 +281,22 @@ mod tests {
         );
         let area = typed.typed_unit("max_area", Unit::M, 1.0).unwrap();
         assert_eq!((area.0.as_str(), area.1), ("m2", 1.0));
+    }
+
+    #[test]
+    fn limits_that_exceed_the_whole_surface_are_doubted() {
+        let limits = |text: &str| -> LimitSettings { toml::from_str(text).unwrap() };
+        let refused = |text| limits(text).check_edges(Unit::Mm, 12.0).is_err();
+        assert!(refused("min-edge = '0.1m'") && refused("min-edge = '110%'"));
+        assert!(!refused("min-edge = '1mm'") && !refused("max-edge = '5m'"));
+        let doubted = |text| limits(text).doubted(Unit::Mm, 140.0);
+        assert_eq!(
+            doubted("max-panel = '0.1x10m'\nmax-edge = '10%'\nmin-edge = '5m'"),
+            None
+        );
+        let told = doubted("max-panel = '5x10m'\nmax-area = '2m2'").unwrap();
+        assert!(told.contains("140 mm across"), "{told}");
+        assert!(told.contains("may be by max-panel and max-area:"), "{told}");
     }
 
     #[test]

@@ -229,7 +229,10 @@ impl<'a> MeshTask<'a> {
         let facets = joined(components.iter().map(|c| &c.surface))?;
         let mut sentences = job.parts.notes.sentences();
         sentences.extend(crumbs);
-        sentences.extend(job.settings.unit().doubted(facets.diagonal()));
+        let (unit, across) = (job.settings.unit(), facets.diagonal());
+        job.settings.limits.check_edges(unit, across)?;
+        sentences.extend(unit.doubted(across));
+        sentences.extend(job.settings.limits.doubted(unit, across));
         sentences.extend(without_effect(job, &facets));
         sentences.into_iter().for_each(|note| notes.say(note));
         let field = size_field(job, &components)?;
@@ -354,6 +357,7 @@ impl<'a> MeshTask<'a> {
             facets: Some(&self.facets),
             beyond: beyond.as_ref().map(|[smooth, facets]| [smooth, facets]),
             elsewhere: &elsewhere,
+            asked: Some(self.panels as usize),
         };
         let mut assessment = self.limits.judge(&mesh, references);
         assessment.measures = (assessment.measures).over_wished(&mesh, &joined_wished(&runs));
@@ -387,6 +391,9 @@ impl<'a> MeshTask<'a> {
             bound.sum(),
             mesh.topology().n_edges(),
         );
+        if self.progress.stopped(true).is_some() {
+            advise_more_time(&mut report.assessment.checks);
+        }
         describe(&mut report, &self.settings, runs)?;
         let wishes = match &self.job.start {
             None => self.wishes(&mesh, smooth.as_ref(), &cones).told(),
@@ -719,6 +726,22 @@ fn summed<'a>(times: impl Iterator<Item = &'a StageTime>) -> Vec<StageTime> {
     sums
 }
 
+/// Changes the advice for a mesh that is not finished. Where panels are not planar yet none of its
+/// figures says what a whole run would need.
+fn advise_more_time(checks: &mut [Check]) {
+    let is_bent = checks.iter().any(|c| !c.pass && c.name == "planarity");
+    for check in checks.iter_mut().filter(|c| !c.pass) {
+        check.advice = match (is_bent, check.name, check.advice.take()) {
+            (true, "planarity", _) => {
+                Some("more time: the run ended before panels were planar".to_owned())
+            }
+            (true, ..) => None,
+            (false, _, None) => Some("more time".to_owned()),
+            (false, _, Some(other)) => Some(format!("more time, or {other}")),
+        };
+    }
+}
+
 /// Share of edges as short as a method allows from which on more panels come no nearer.
 const BOUND: f64 = 0.2;
 
@@ -782,6 +805,41 @@ mod tests {
         // Panels of edge e and curvature 10 are 2.5 e^2 off, which is to be 0.1 / 4 at the most.
         let expected = ring.area() / (1.5 * 3.0_f64.sqrt() * 0.01);
         assert!((panels / expected - 1.0).abs() < 0.25, "{note} {expected}");
+    }
+
+    #[test]
+    fn an_unfinished_mesh_asks_for_more_time_and_not_for_more_panels() {
+        let square = |lift: f64| {
+            let corners = [
+                [0.0, 0.0, lift],
+                [1.0, 0.0, 0.0],
+                [1.0, 1.0, 0.0],
+                [0.0, 1.0, 0.0],
+            ];
+            corners.map(phex_mesh::Vec3::from).to_vec()
+        };
+        let flat = TriangleSurface::new(square(0.0), &[[0, 1, 2], [0, 2, 3]]).unwrap();
+        let advice = |lift: f64, height: f64| {
+            let corners = square(lift).into_iter();
+            let corners = corners.map(|p| p + phex_mesh::Vec3::z() * height);
+            let mesh = HexMesh::new(corners.collect(), &[[0, 1, 2, 3]]).unwrap();
+            let references = References::of_facets(Some(&flat));
+            let mut checks = TypedLimits::default().judge(&mesh, references).checks;
+            advise_more_time(&mut checks);
+            let of = |name: &str| {
+                checks
+                    .iter()
+                    .find(|c| c.name == name)
+                    .unwrap()
+                    .advice
+                    .clone()
+            };
+            [of("planarity"), of("deviation")]
+        };
+        let [planarity, deviation] = advice(0.4, 0.1);
+        assert!(planarity.unwrap().starts_with("more time") && deviation.is_none());
+        let [planarity, deviation] = advice(0.0, 0.1);
+        assert!(planarity.is_none() && deviation.unwrap().starts_with("more time, or about"));
     }
 
     #[test]

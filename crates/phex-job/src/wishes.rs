@@ -172,9 +172,15 @@ impl Wishes<'_> {
             true => format!("; {:.0} % of their length is off the panels", 100.0 * off),
             false => String::new(),
         };
-        let not = if along < 0.5 { "NOT FOLLOWED: " } else { "" };
+        let [not, instead] = match along < 0.5 {
+            true => [
+                "NOT FOLLOWED: ",
+                "; panels may be better with fewer lines, or none",
+            ],
+            false => [""; 2],
+        };
         format!(
-            "{not}rows run along {:.0} % of the lines (within {ALONG} degrees; {mean:.1} on average){beside}",
+            "{not}rows run along {:.0} % of the lines (within {ALONG} degrees; {mean:.1} on average){beside}{instead}",
             100.0 * along
         )
     }

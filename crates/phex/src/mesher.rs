@@ -200,6 +200,7 @@ impl Panelling {
             facets: Some(&self.facets),
             beyond: self.run.beyond.as_ref().map(Beyond::surfaces),
             elsewhere: &elsewhere,
+            asked: Some(self.run.statistics.panels_asked),
         };
         let mut found = Assessment::new(&self.run.mesh, references, &self.limits());
         found.measures = (found.measures).over_wished(&self.run.mesh, &self.run.wished);

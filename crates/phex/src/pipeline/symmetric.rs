@@ -80,6 +80,8 @@ fn symmetric(
     let whole = smooth.finest();
     let has = clock.stage("symmetry", || symmetry::find(whole, SYMMETRY_TOLERANCE))?;
     let found = has.mirrored.as_ref().ok_or_else(|| without_mirrors(&has))?;
+    let across = half_turn_across(found, options.symmetry);
+    let found = across.as_ref().unwrap_or(found);
     let groups = used(found, whole, panels, options.symmetry)?;
     let facets = References::of_facets(Some(surface));
     let judge = Judge::new(whole, facets, options.limits());
@@ -114,7 +116,9 @@ fn symmetric(
     run.statistics.target_vertices = Statistics::of(&smooth, panels).target_vertices;
     run.statistics.panels_asked = panels;
     if let Some(summary) = &run.statistics.symmetry {
-        let message = followed(summary, &groups);
+        let irregular = phex_mesh::irregular_faces(run.mesh.topology());
+        let price = price_of(irregular, merit.is_within());
+        let message = format!("{}{price}", followed(summary, &groups));
         progress.report(&Event::Note { message });
     }
     Ok(run)
@@ -167,6 +171,24 @@ fn followed(summary: &SymmetrySummary, groups: &[Group]) -> String {
     }
 }
 
+/// What a symmetry may have cost, for the end of a sentence.
+fn price_of(irregular: usize, is_within: bool) -> String {
+    let irregular = match irregular {
+        0 => None,
+        1 => Some("one panel is irregular without need".to_owned()),
+        n => Some(format!("{n} panels are irregular without need")),
+    };
+    let outside = (!is_within).then(|| "panels are outside limits".to_owned());
+    let told: Vec<String> = irregular.into_iter().chain(outside).collect();
+    match told.is_empty() {
+        true => String::new(),
+        false => format!(
+            "; {}, which they may not be without the symmetry",
+            told.join(" and ")
+        ),
+    }
+}
+
 /// What is told where panels could have symmetries of the surface and were not asked to.
 pub(super) fn unused(ground: &Ground) -> Option<String> {
     let options = &ground.options;
@@ -177,8 +199,7 @@ pub(super) fn unused(ground: &Ground) -> Option<String> {
     let level = &ground.smooth.levels[ground.field_level(options)];
     symmetry::find(level, SYMMETRY_TOLERANCE).mirrored?;
     // Which group it is the full surface decides, where it is asked for.
-    let told =
-        "the surface has mirror planes that panels do not follow; with `--symmetry auto` they may";
+    let told = "the surface has mirror planes that panels do not follow; `--symmetry auto` tries whether they can, and may take twice as long";
     Some(told.to_owned())
 }
 
@@ -306,6 +327,14 @@ impl<E: Into<PipelineError>> From<E> for NotSymmetric {
             error => Self::Symmetry(error.to_string()),
         }
     }
+}
+
+/// What was found about the axis of its half turn, where one is wanted that is about another axis
+/// than the rotations that were found.
+fn half_turn_across(found: &Found, wanted: Symmetry) -> Option<Found> {
+    let is_about_axis = found.revolution || found.group.rotations.is_multiple_of(2);
+    let is_other = wanted == Symmetry::Turns(2) && !is_about_axis;
+    found.half_turn_across().filter(|_| is_other)
 }
 
 /// The parts of the group that panels may follow, one after the other until they are within limits.
@@ -662,7 +691,14 @@ impl<'a> DomainPanels<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::fewer_turns;
+    use super::{fewer_turns, price_of};
+
+    #[test]
+    fn what_a_symmetry_costs_is_told() {
+        assert_eq!(price_of(0, true), "");
+        assert!(price_of(24, true).starts_with("; 24 panels are irregular without need, which"));
+        assert!(price_of(1, false).contains("without need and panels are outside limits, which"));
+    }
 
     #[test]
     fn smaller_groups_are_parts_of_the_larger_ones() {

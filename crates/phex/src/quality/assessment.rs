@@ -52,6 +52,9 @@ pub struct References<'a> {
     /// Faces, in order, whose boundary is led elsewhere than along the surface's own, by a curve or
     /// a ground plane: there it is not compared with that, and no share of the area is asked for.
     pub elsewhere: &'a [FaceId],
+    /// The number of panels that was asked for, which is the one to be changed where another is
+    /// told to help; `None` changes the number that the mesh has.
+    pub asked: Option<usize>,
 }
 
 impl<'a> References<'a> {
@@ -94,7 +97,8 @@ impl<'a> References<'a> {
 pub enum Verdict {
     /// Every check holds.
     Pass,
-    /// A valid mesh, but a figure is outside its limit.
+    /// Panels are simple and lie side by side, but a figure, planarity included, is outside its
+    /// limit.
     OutsideTolerance,
     /// No valid mesh.
     Invalid,
@@ -195,13 +199,14 @@ impl Assessment {
             limits,
             &violations,
         );
-        checks.extend(panel_checks(mesh, &limits.panels));
+        let panels = references.asked.unwrap_or(mesh.topology().n_faces());
+        checks.extend(panel_checks(mesh, &limits.panels, panels));
         let deviation = deviation_smooth.as_ref().or(deviation_facets.as_ref());
         if let (Some(deviation), Some(surface)) = (deviation, references.judge()) {
-            checks.extend(surface_checks(mesh, surface, deviation, limits));
+            checks.extend(surface_checks(mesh, surface, deviation, (limits, panels)));
             if let Some(fit) = &boundary {
                 let elsewhere = references.elsewhere;
-                let size = (mesh.topology().n_faces(), deviation.diagonal);
+                let size = (panels, deviation.diagonal);
                 checks.extend(boundary_checks(fit, size, limits, elsewhere));
             }
         }
@@ -478,5 +483,31 @@ mod tests {
         let check = strict.failures().find(|c| c.name == "deviation").unwrap();
         assert_eq!(check.ids, [0, 1, 2]);
         assert!((check.value - rel).abs() < 1e-12);
+    }
+
+    /// A figure just beyond its limit asks for more panels than were asked for, not for as many.
+    #[test]
+    fn the_panels_that_help_are_counted_from_those_that_were_asked_for() {
+        let surface = bumpy_square();
+        let told = |asked| {
+            let references = References {
+                facets: Some(&surface),
+                asked,
+                ..Default::default()
+            };
+            let mesh = three_panels(0.0, 0.0);
+            let deviation = |limit| {
+                let limits = Limits {
+                    deviation_rel: Some(limit),
+                    ..Default::default()
+                };
+                let found = Assessment::new(&mesh, references, &limits);
+                let mut checks = found.checks.into_iter();
+                checks.find(|c| c.name == "coverage_inner").unwrap()
+            };
+            deviation(0.999 * deviation(1.0).value).advice.unwrap()
+        };
+        assert!(told(Some(100)).contains("about 111 panels instead of 100"));
+        assert!(told(None).contains("about 4 panels instead of 3"));
     }
 }

@@ -258,7 +258,7 @@ pub(super) fn surface_checks(
     mesh: &HexMesh,
     surface: &TriangleSurface,
     deviation: &Deviation,
-    limits: &Limits,
+    (limits, panels): (&Limits, usize),
 ) -> Vec<Check> {
     let topology = topology_check(mesh, surface, deviation);
     let Some(limit) = limits.deviation_rel else {
@@ -266,17 +266,23 @@ pub(super) fn surface_checks(
     };
     vec![
         topology,
-        deviation_check(mesh, deviation, limit),
-        coverage_check(surface, deviation, limit),
+        deviation_check(mesh, deviation, (limit, panels)),
+        coverage_check(surface, deviation, (limit, panels)),
     ]
 }
 
 /// What would help where the surface is missed inside.
 pub(super) const SMALLER: &str = "smaller ones there (--adaptive)";
 
-/// What would help where a distance is beyond its limit: it falls with the area of panels.
+/// Share by which a number of panels that is told is on the safe side: from one number to the next
+/// the worst figure of a mesh varies by about a tenth (the median over six surfaces of its standard
+/// deviation from 280 to 330 panels, times their number).
+pub(super) const SPARE: f64 = 0.1;
+
+/// What would help where a distance is beyond its limit: it falls with the area of panels. `panels`
+/// is the number that is changed, that which was asked for where there is one.
 fn nearer(panels: usize, [limit, value]: [f64; 2], or: &str) -> String {
-    let enough = (panels as f64 * value / limit).ceil();
+    let enough = (panels as f64 * value / limit * (1.0 + SPARE)).ceil();
     if enough > MAX_PANELS as f64 {
         return format!(
             "no number of panels up to {MAX_PANELS}: a larger deviation or, if the mesh is nowhere near the surface, \
@@ -288,7 +294,7 @@ fn nearer(panels: usize, [limit, value]: [f64; 2], or: &str) -> String {
     )
 }
 
-fn deviation_check(mesh: &HexMesh, deviation: &Deviation, limit: f64) -> Check {
+fn deviation_check(mesh: &HexMesh, deviation: &Deviation, (limit, panels): (f64, usize)) -> Check {
     let length = limit * deviation.diagonal;
     let topology = mesh.topology();
     let far = |f: &FaceId| {
@@ -307,10 +313,14 @@ fn deviation_check(mesh: &HexMesh, deviation: &Deviation, limit: f64) -> Check {
     )
     .in_lengths(deviation.diagonal)
     .at(topology.faces().filter(far), worst(vertices.chain(centres)))
-    .advised(&nearer(topology.n_faces(), [limit, value], SMALLER))
+    .advised(&nearer(panels, [limit, value], SMALLER))
 }
 
-fn coverage_check(surface: &TriangleSurface, deviation: &Deviation, limit: f64) -> Check {
+fn coverage_check(
+    surface: &TriangleSurface,
+    deviation: &Deviation,
+    (limit, panels): (f64, usize),
+) -> Check {
     let length = limit * deviation.diagonal;
     let inside = || {
         let distances = deviation.coverage_distance.enumerate();
@@ -328,11 +338,7 @@ fn coverage_check(surface: &TriangleSurface, deviation: &Deviation, limit: f64) 
     )
     .in_lengths(deviation.diagonal)
     .at(faces, worst(points))
-    .advised(&nearer(
-        deviation.face_distance.len(),
-        [limit, value],
-        SMALLER,
-    ))
+    .advised(&nearer(panels, [limit, value], SMALLER))
 }
 
 /// The point with the largest distance.

@@ -60,6 +60,15 @@ impl Merit {
         (IRREGULAR * irregular as f64 + UNEVEN * uneven) / panels.max(1) as f64
     }
 
+    /// The same for panels that no areas were wished for, which then count as uneven: `uneven` is
+    /// the mean of the squared logarithms of their areas over the mean one.
+    pub(crate) fn counting_uneven(self, uneven: f64) -> Self {
+        Self {
+            cost: self.cost + UNEVEN * uneven,
+            ..self
+        }
+    }
+
     /// What is compared, the first difference deciding.
     fn parts(&self) -> [f64; 3] {
         [self.invalid, self.outside, self.cost]

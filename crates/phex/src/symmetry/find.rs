@@ -84,6 +84,26 @@ struct About {
     revolution: bool,
 }
 
+impl Found {
+    /// The part of the group with a rotation of order two about the line in which its first plane
+    /// and the level one meet, in a frame with that axis; `None` without a level plane. Of an odd
+    /// number of rotations none about the axis is of order two.
+    pub fn half_turn_across(&self) -> Option<Self> {
+        let [x, y, z] = [0, 1, 2].map(|k| self.frame.axes.row(k));
+        self.group.level.then(|| Self {
+            frame: Frame {
+                axes: Matrix3::from_rows(&[-z, y.into_owned(), x.into_owned()]),
+                ..self.frame
+            },
+            group: Group {
+                rotations: 2,
+                level: false,
+            },
+            revolution: false,
+        })
+    }
+}
+
 /// The symmetries of a surface; lengths in the surface's unit.
 pub(crate) fn find(surface: &TriangleSurface, tolerance: f64) -> Symmetries {
     let search = AxisSearch::new(surface, tolerance);
@@ -507,5 +527,46 @@ fn frame_about(origin: Vec3, axis: Vec3, x: Vec3) -> Frame {
             axis.cross(&first).transpose(),
             axis.transpose(),
         ]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_level_plane_gives_a_half_turn_of_the_same_group() {
+        for rotations in [1, 3] {
+            let all = Found {
+                frame: frame_about(
+                    Vec3::new(1.0, 2.0, 3.0),
+                    Vec3::new(1.0, 1.0, 2.0),
+                    Vec3::x(),
+                ),
+                group: Group {
+                    rotations,
+                    level: true,
+                },
+                revolution: false,
+            };
+            let part = all.half_turn_across().unwrap();
+            assert!((part.frame.axes.determinant() - 1.0).abs() < 1e-12);
+            let outside = |found: &Found| {
+                let axes = found.frame.axes;
+                let maps = found.group.elements().into_iter();
+                maps.map(move |map| axes.transpose() * map * axes)
+                    .collect::<Vec<_>>()
+            };
+            let (whole, maps) = (outside(&all), outside(&part));
+            assert_eq!(maps.len(), 4);
+            for map in maps {
+                assert!(whole.iter().any(|of_all| (of_all - map).amax() < 1e-12));
+            }
+            let flat = Group {
+                level: false,
+                ..all.group
+            };
+            assert!(Found { group: flat, ..all }.half_turn_across().is_none());
+        }
     }
 }

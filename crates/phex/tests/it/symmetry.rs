@@ -335,7 +335,7 @@ fn symmetries_that_panels_could_have_are_told() {
         notes.0.into_inner().unwrap().join(" ")
     };
     let dome = surface("elliptic-paraboloid", &[], 0.0);
-    assert!(notes(&dome, Boundary::Snap).contains("`--symmetry auto` they may"));
+    assert!(notes(&dome, Boundary::Snap).contains("`--symmetry auto` tries whether they can"));
     assert!(notes(&round_dome(), Boundary::Snap).contains("mirror planes"));
     assert!(!notes(&dome, Boundary::Clip).contains("mirror"));
     assert!(!notes(&surface("b-spline", &[], 0.0), Boundary::Snap).contains("mirror"));
