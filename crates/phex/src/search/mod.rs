@@ -52,7 +52,7 @@ const SWEEPS: usize = 30;
 const HOPELESS: f64 = 1.0 / 3.0;
 /// Places outside limits, and their share of the panels, above which panels are too large
 /// everywhere: more of them here and there would only spoil the rows. What is broken is searched
-/// all the same, but for as many folds along edges of the surface.
+/// all the same, but for as many panels that only fold along edges of the surface.
 const FEW: f64 = 3.0;
 const FEW_SHARE: f64 = 0.06;
 /// Sweeps in a row that change nothing after which no more begin: each width has failed by then at
@@ -317,7 +317,7 @@ fn chosen(mesh: &HexMesh, whole: &Whole, failed: &[Failed], site: &Site<'_>) -> 
     let is_many = |count: usize| count as f64 > FEW + FEW_SHARE * mesh.topology().n_faces() as f64;
     let too_large = is_many(all.iter().filter(|d| !d.is_broken && !d.is_allowed).count());
     let folds = |d: &Defect| folds_with_surface(d, mesh, whole, site);
-    let has_edges = is_many(all.iter().filter(|d| folds(d)).count());
+    let has_edges = is_many(all.iter().filter(|d| folds(d)).map(|d| d.faces.len()).sum());
     all.retain(|d| (d.is_broken || !too_large) && !(has_edges && folds(d)));
     for defect in all {
         let before = failed
