@@ -129,13 +129,14 @@ impl TypedLimits {
         assessment
     }
 
-    /// Judges a finished mesh against the surfaces that it stands for; where whole panels may stick
-    /// out of these, they go on beyond their boundary.
+    /// Judges a finished mesh against the surfaces that it stands for, smooth and facets; where
+    /// whole panels may stick out of these, they go on beyond their boundary. `asked` is the number
+    /// of panels that was asked for, where that is known.
     pub fn judge_finished(
         &self,
         mesh: &HexMesh,
-        smooth: Option<&TriangleSurface>,
-        facets: Option<&TriangleSurface>,
+        [smooth, facets]: [Option<&TriangleSurface>; 2],
+        asked: Option<usize>,
     ) -> Assessment {
         let panels = mesh.topology().n_faces();
         let longer = |s: &TriangleSurface| continued(s, panels).unwrap_or_else(|| s.clone());
@@ -146,6 +147,7 @@ impl TypedLimits {
             smooth,
             facets,
             beyond: beyond.as_ref().map(|[smooth, facets]| [smooth, facets]),
+            asked,
             ..References::default()
         };
         self.judge(mesh, references)

@@ -435,6 +435,11 @@ struct CopiedCheck {
 }
 
 impl CopiedReport {
+    /// The number of panels that the run was asked for.
+    fn asked(&self) -> Option<usize> {
+        self.settings["panels"].as_u64().map(|n| n as usize)
+    }
+
     /// The report of the same mesh judged again, with what that can't say.
     ///
     /// # Errors
@@ -491,7 +496,8 @@ pub fn checked(
     let (facets, left_out) = facets.map(|all| without_crumbs(all, &mesh)).unzip();
     let smooth = there(2).map(MeshFile::surface).transpose()?;
     let limits = request.limits(facets.is_some())?;
-    let assessment = limits.judge_finished(&mesh, smooth.as_ref(), facets.as_ref());
+    let asked = request.copied.as_ref().and_then(CopiedReport::asked);
+    let assessment = limits.judge_finished(&mesh, [smooth.as_ref(), facets.as_ref()], asked);
     let mut report = report_of("check", assessment, &limits, &inputs);
     report.notes.extend(left_out.flatten());
     phex_job::add_features(&mut report, &mesh, facets.as_ref());

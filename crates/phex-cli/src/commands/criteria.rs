@@ -60,8 +60,8 @@ impl Criteria {
     }
 
     pub fn judge(&self, mesh: &HexMesh) -> Assessment {
-        let (smooth, facets) = (self.smooth.as_ref(), self.facets.as_ref());
-        let mut assessment = self.limits.judge_finished(mesh, smooth, facets);
+        let surfaces = [self.smooth.as_ref(), self.facets.as_ref()];
+        let mut assessment = self.limits.judge_finished(mesh, surfaces, None);
         if self.had_smooth && self.smooth.is_none() {
             assessment.not_checked.push(Omitted {
                 name: "deviation_smooth",
