@@ -187,7 +187,7 @@ const HEAD: &str = "# What runs cost
 ";
 
 const TAIL: &str = "
-Inputs with more than 32 vertices a panel are laid out on seven of them a panel (`smooth_surface/coarsen`), which are refined once for cells; panels are kept close to, and compared with, all of the input. Curvature, directions, lattice and cells then cost what
+Inputs with more than 32 vertices a panel, those in long triangles, and those with large ones at creases or among many small ones (`smooth_surface/elongated`), are laid out on seven of them a panel (`smooth_surface/coarsen`), which are refined once for cells; panels are kept close to, and compared with, all of the input. Curvature, directions, lattice and cells then cost what
 the panels are; what still grows with the triangles is reading, closest points, and the copy of the surface that is reported.
 ";
 
