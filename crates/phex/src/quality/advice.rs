@@ -153,6 +153,7 @@ fn fold_advice(
     let turns: Vec<[f64; 2]> = folds
         .map(|centres| turn_between(surface, centres))
         .collect();
+    let is_edge = |[all, at_once]: &[f64; 2]| *all > OWN_FOLD && *at_once > 0.5 * all;
     let own: Vec<f64> = (turns.iter().filter(|t| is_edge(t)))
         .map(|t| t[0])
         .collect();
@@ -164,15 +165,6 @@ fn fold_advice(
             "at {own} of {all} the surface itself turns between two panels, by up to {most:.0} degrees: round its edges off there, or leave them"
         )),
     }
-}
-
-/// Whether a surface has an edge between two places over which panels fold.
-pub(crate) fn folds_between(surface: &TriangleSurface, places: [Vec3; 2]) -> bool {
-    is_edge(&turn_between(surface, places))
-}
-
-fn is_edge([all, at_once]: &[f64; 2]) -> bool {
-    *all > OWN_FOLD && *at_once > 0.5 * all
 }
 
 /// Angle by which a surface turns between two places, and the largest within one of [`STEPS`] on

@@ -69,11 +69,6 @@ impl Findings {
         self.invalid + self.folded + self.narrow > 0.0
     }
 
-    /// Whether it folds against its neighbours, and is within all other limits.
-    pub(crate) fn folds_alone(&self) -> bool {
-        self.folded > 0.0 && self.invalid + self.outside() == self.folded
-    }
-
     /// Whether nothing is invalid or outside limits.
     pub fn is_within(&self) -> bool {
         self.invalid + self.outside() == 0.0

@@ -31,7 +31,6 @@ mod panel_checks;
 mod told;
 
 pub use advice::contradiction;
-pub(crate) use advice::folds_between;
 pub use assessment::{Assessment, Omitted, Reason, References, Verdict};
 pub use check::{Check, ElementKind, Reading, Scale};
 pub use defect::{Defect, defects};

@@ -32,7 +32,7 @@ mod trial;
 mod tests;
 
 use crate::progress::{Event, Progress};
-use crate::quality::{Defect, Judgement, Shapes, defects, folds_between};
+use crate::quality::{Defect, Judgement, Shapes, defects};
 use patch::{Change, Patch, applied};
 use phex_mesh::{FaceId, HexMesh, Vec3};
 use rayon::prelude::*;
@@ -52,7 +52,7 @@ const SWEEPS: usize = 30;
 const HOPELESS: f64 = 1.0 / 3.0;
 /// Places outside limits, and their share of the panels, above which panels are too large
 /// everywhere: more of them here and there would only spoil the rows. What is broken is searched
-/// all the same, but for as many panels that only fold along edges of the surface.
+/// all the same.
 const FEW: f64 = 3.0;
 const FEW_SHARE: f64 = 0.06;
 /// Sweeps in a row that change nothing after which no more begin: each width has failed by then at
@@ -238,7 +238,7 @@ impl SearchState {
             && fruitless < FRUITLESS
             && !progress.is_cancelled()
         {
-            let places = chosen(mesh, whole, failed, site);
+            let places = chosen(mesh, whole, failed, &site.resting(mesh));
             if places.is_empty() {
                 break;
             }
@@ -303,8 +303,12 @@ fn fail(failed: &mut Vec<Failed>, place: Vec3, mean_edge: f64) {
 }
 
 /// Defects at which something is left to try, the worst first, none of whose patches touch.
-fn chosen(mesh: &HexMesh, whole: &Whole, failed: &[Failed], site: &Site<'_>) -> Vec<DefectPatch> {
-    let resting = site.resting(mesh);
+fn chosen(
+    mesh: &HexMesh,
+    whole: &Whole,
+    failed: &[Failed],
+    resting: &BTreeSet<FaceId>,
+) -> Vec<DefectPatch> {
     let same = SAME * whole.yardstick.mean_edge;
     let mut taken: BTreeSet<FaceId> = BTreeSet::new();
     let mut places = Vec::new();
@@ -314,12 +318,9 @@ fn chosen(mesh: &HexMesh, whole: &Whole, failed: &[Failed], site: &Site<'_>) -> 
         let counts = whole.yardstick.shapes == Shapes::Any || d.faces.iter().any(is_misshapen);
         counts && d.faces.iter().all(|f| !resting.contains(f))
     });
-    let is_many = |count: usize| count as f64 > FEW + FEW_SHARE * mesh.topology().n_faces() as f64;
-    let too_large = is_many(all.iter().filter(|d| !d.is_broken && !d.is_allowed).count());
-    let folds = |d: &Defect| folds_with_surface(d, mesh, whole, site);
-    let has_edges = is_many(all.iter().filter(|d| folds(d)).map(|d| d.faces.len()).sum());
-    all.retain(|d| (d.is_broken || !too_large) && !(has_edges && folds(d)));
-    for defect in all {
+    let outside = all.iter().filter(|d| !d.is_broken && !d.is_allowed).count();
+    let too_large = outside as f64 > FEW + FEW_SHARE * mesh.topology().n_faces() as f64;
+    for defect in all.into_iter().filter(|d| d.is_broken || !too_large) {
         let before = failed
             .iter()
             .find(|f| (f.place - defect.place).norm() < same);
@@ -334,7 +335,7 @@ fn chosen(mesh: &HexMesh, whole: &Whole, failed: &[Failed], site: &Site<'_>) -> 
         if defect.faces.iter().any(|f| taken.contains(f)) {
             continue;
         }
-        let patch = Patch::around(mesh, &defect.faces, *rings, &resting);
+        let patch = Patch::around(mesh, &defect.faces, *rings, resting);
         if patch.faces.iter().all(|f| !taken.contains(f)) {
             taken.extend(&patch.faces);
             places.push(DefectPatch {
@@ -345,15 +346,6 @@ fn chosen(mesh: &HexMesh, whole: &Whole, failed: &[Failed], site: &Site<'_>) -> 
         }
     }
     places
-}
-
-/// Whether panels do nothing but fold over an edge of the surface.
-fn folds_with_surface(defect: &Defect, mesh: &HexMesh, whole: &Whole, site: &Site<'_>) -> bool {
-    let worst = defect.faces[0];
-    let ends = |f| [mesh.centre(worst), mesh.centre(f)];
-    let mut beside = mesh.topology().adjacent_faces(worst);
-    let alone = |f: &FaceId| whole.findings.of_face[*f].folds_alone();
-    defect.faces.iter().all(alone) && beside.any(|f| folds_between(site.judge.surface(), ends(f)))
 }
 
 /// Takes changes: all of them if the mesh as a whole is better for it, else half of them, a

@@ -361,48 +361,6 @@ fn the_edges_of_a_box_are_no_folds() {
 }
 
 /// A draft without a place for each corner is no candidate.
-/// Panels in a bond along both sides of a ridge over which the surface turns by 120 degrees.
-#[test]
-fn folds_along_an_edge_of_the_surface_are_not_tried_one_by_one() {
-    let (sin, cos) = 60_f64.to_radians().sin_cos();
-    let count = 20;
-    let along = |k: u32| 0.5 * f64::from(k);
-    let ridge = (0..=2 * count).map(|k| Vec3::new(0.0, along(k), 0.0));
-    let side = |x: f64, first: u32| {
-        (first..=count).map(move |k| Vec3::new(x * cos, along(2 * k - first), -sin))
-    };
-    let places: Vec<Vec3> = ridge.chain(side(-1.0, 0)).chain(side(1.0, 1)).collect();
-    let [left, right] = [2 * count + 1, 3 * count + 2];
-    let panels = (0..count).flat_map(|i| {
-        let k = 2 * i;
-        let beside = [k, k + 1, k + 2, left + i + 1, left + i];
-        let across = [k + 3, k + 2, k + 1, right + i, right + i + 1];
-        [Some(beside), Some(across).filter(|_| i + 1 < count)]
-    });
-    let panels: Vec<[u32; 5]> = panels.flatten().collect();
-    let mesh = HexMesh::new(places, &panels).unwrap();
-    let corner = |x: f64, y: f64| Vec3::new(x * cos, y, -sin * x.abs());
-    let length = f64::from(count);
-    let corners = [-1.0, 0.0, 1.0]
-        .map(|x| [corner(x, 0.0), corner(x, length)])
-        .concat();
-    let triangles = [[0, 3, 1], [0, 2, 3], [2, 5, 3], [2, 4, 5]];
-    let gable = TriangleSurface::new(corners, &triangles).unwrap();
-    let limits = Limits::new(Some(0.1), None);
-    let judge = Judge::new(&gable, References::default(), limits);
-    let site = Site {
-        judge: &judge,
-        close_to: &SurfaceTarget::new(&gable),
-        hold: None,
-        mirrors: &[],
-        areas: None,
-        options: &OptimiseOptions::default(),
-    };
-    let found = search(mesh, &site, &Silent).summary;
-    assert!(found.defects > 10, "{found:?}");
-    assert!(found.tried <= 2, "{found:?}");
-}
-
 #[test]
 fn drafts_with_places_that_are_not_finite_are_left_out() {
     let mesh = &wave().1;
