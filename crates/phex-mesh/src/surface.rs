@@ -224,6 +224,18 @@ impl TriangleSurface {
         0.5 * self.area_vector(f).norm()
     }
 
+    /// A third of the area of the triangles at each vertex, squared model units.
+    pub fn vertex_areas(&self) -> PerVertex<f64> {
+        let topology = self.topology();
+        let mut area = PerVertex::filled(topology.n_vertices(), 0.0);
+        for f in topology.faces() {
+            let third = self.area_vector(f).norm() / 6.0;
+            let corners = topology.face_vertices(f).iter();
+            corners.for_each(|&v| area[v] += third);
+        }
+        area
+    }
+
     /// Total area.
     pub fn area(&self) -> f64 {
         self.topology.faces().map(|f| self.face_area(f)).sum()

@@ -2,6 +2,7 @@
 //! trim -> quality -> search -> repetition.
 
 mod attempt;
+mod best_field;
 mod brick_wall;
 mod check;
 mod classical;
@@ -27,7 +28,6 @@ mod sized;
 mod steered;
 mod subdivide;
 mod symmetric;
-mod two_fields;
 mod watched;
 
 pub use attempt::AttemptSummary;

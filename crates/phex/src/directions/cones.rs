@@ -125,7 +125,7 @@ pub(crate) fn has_opposites(topology: &Topology, directions: &Directions, reach:
         !routes(topology, mesh, f, (reach, 1), false, opposite).is_empty()
     };
     let mut positive = topology.faces().filter(|f| cone[*f] > 0);
-    positive.any(has_opposite)
+    cone.iter().any(|index| *index < 0) && positive.any(has_opposite)
 }
 
 /// The triangles of prescribed cones with their indices.

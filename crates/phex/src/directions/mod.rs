@@ -61,8 +61,8 @@ use phex_numeric::NumericError;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_3;
 
-/// Distance, in panels, up to which opposite cones are cancelled in the second of two fields, in
-/// which rows keep their way along a whole mirror plane, too.
+/// Distance, in panels, up to which opposite cones are cancelled in one of the fields that are
+/// compared; from it on rows keep their way along a whole mirror plane, too.
 pub(crate) const FAR_REACH: f64 = 12.0;
 
 /// How metric and field are made.
@@ -86,7 +86,7 @@ pub struct DirectionOptions {
     pub boundary_alignment: f64,
     /// Distance, in panels, up to which opposite cones are cancelled (0: none are). More of them
     /// give fewer irregular panels, and larger ones where the surface is strongly curved. `None`
-    /// is 4; a lattice then is made with 12, too, and the better one kept.
+    /// is 4; lattices then are made with 12 and without a limit, too, and the best one is kept.
     pub cancel_reach: Option<f64>,
     /// Whether directions run across small holes as if the surface went on there, and not round
     /// them. A lattice is made with either, and the better one kept.

@@ -88,15 +88,24 @@ impl AttemptSummary {
     /// count as if they were outside limits. Bricks have no areas wished for and are judged by
     /// their spread, or they would count as even whatever their sizes.
     pub(super) fn before_search(&self) -> Merit {
-        let spread = self.area_spread.unwrap_or(1.0).ln();
         let merit = match self.candidate.method {
             Method::BrickWall => {
-                let deviation = spread / BETWEEN_QUANTILES;
+                let deviation = self.spread() / BETWEEN_QUANTILES;
                 self.merit.counting_uneven(deviation.powi(2))
             }
             _ => self.merit,
         };
-        merit.before_search(spread.powi(2))
+        merit.before_search(self.spread().powi(2))
+    }
+
+    /// What is outside limits, with sizes that nobody asked for counted as if they were.
+    pub(super) fn outside_or_uneven(&self) -> f64 {
+        self.merit.invalid + self.merit.outside + self.spread().powi(2)
+    }
+
+    /// Logarithm of the spread of areas.
+    fn spread(&self) -> f64 {
+        self.area_spread.unwrap_or(1.0).ln()
     }
 
     /// The same with the panels in model coordinates.
@@ -142,26 +151,45 @@ pub(super) fn is_tight(options: &MeshOptions) -> bool {
 mod tests {
     use super::*;
 
+    /// The summary of a member of some method, spread and merit.
+    fn summary(method: Method, spread: f64, merit: Merit) -> AttemptSummary {
+        let candidate = Candidate {
+            method,
+            ..Candidate::first(&MeshOptions::default())
+        };
+        let corners = [Vec3::zeros(), Vec3::x(), Vec3::y()];
+        let mesh = HexMesh::new(corners.to_vec(), &[[0, 1, 2]]).unwrap();
+        AttemptSummary {
+            area_spread: Some(spread),
+            ..AttemptSummary::new(candidate, &mesh, merit, false, &MeshOptions::default())
+        }
+    }
+
+    /// A cone had areas of 1 : 29 that were within limits, where the others were outside of them
+    /// before their search.
+    #[test]
+    fn sizes_that_jump_count_as_much_as_limits() {
+        let jumps = |spread, outside| {
+            let merit = Merit {
+                outside,
+                ..Merit::default()
+            };
+            summary(Method::Lattice, spread, merit).outside_or_uneven()
+        };
+        assert!(jumps(2.1, 3.0) < jumps(29.0, 0.0));
+        assert!(jumps(1.5, 3.0) > jumps(2.1, 0.0));
+    }
+
     /// A catenoid had bricks with areas of 1 : 2.4 for a tenth less of cost, in which their areas
     /// did not count.
     #[test]
     fn uneven_bricks_are_not_better_than_an_even_lattice() {
         let made = |method, spread, cost| {
-            let candidate = Candidate {
-                method,
-                ..Candidate::first(&MeshOptions::default())
-            };
             let merit = Merit {
                 cost,
                 ..Merit::default()
             };
-            let corners = [Vec3::zeros(), Vec3::x(), Vec3::y()];
-            let mesh = HexMesh::new(corners.to_vec(), &[[0, 1, 2]]).unwrap();
-            AttemptSummary {
-                area_spread: Some(spread),
-                ..AttemptSummary::new(candidate, &mesh, merit, false, &MeshOptions::default())
-            }
-            .before_search()
+            summary(method, spread, merit).before_search()
         };
         let lattice = made(Method::Lattice, 1.1, 0.46);
         assert!(!made(Method::BrickWall, 2.4, 0.41).is_better(&lattice));

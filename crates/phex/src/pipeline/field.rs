@@ -2,7 +2,7 @@
 //! fine surface for its cells.
 
 use super::domain::Ground;
-use super::sized::{Sizes, panel_length};
+use super::sized::{SizedCurvature, Sizes, panel_length};
 use super::{Candidate, Clock, MeshOptions, PipelineError};
 use crate::curvature::{self, Curvature, Principal};
 use crate::directions::cones;
@@ -13,10 +13,19 @@ use crate::layout::lattice::eisenstein::CELL;
 use crate::layout::seeds::Seed;
 use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, PanelWish, Placed};
 use crate::progress::Progress;
+use crate::quality::Merit;
 use crate::smooth_surface::SmoothTarget;
 use nalgebra::Matrix3;
 use phex_mesh::{PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use std::collections::HashSet;
+
+/// Curvature, metric and directions on the level where a lattice is computed.
+pub(super) struct Directed {
+    level: usize,
+    sized: SizedCurvature,
+    directions: Directions,
+    settings: DirectionOptions,
+}
 
 /// Curvature, metric and seeds on the level where the lattice is computed.
 pub(super) struct Field {
@@ -38,7 +47,7 @@ const COUNT_TOLERANCE: f64 = 0.06;
 /// Lattices tried for that at the most.
 const COUNT_TRIES: usize = 3;
 
-impl Field {
+impl Directed {
     pub(super) fn new(
         ground: &Ground,
         level: usize,
@@ -47,28 +56,95 @@ impl Field {
     ) -> Result<Self, PipelineError> {
         let (smooth, panels, progress) = (&ground.smooth, ground.panels, clock.progress);
         let surface = &smooth.levels[level];
-        let settings = &direction_options(options);
+        let settings = direction_options(options);
         cones::prescribed_faces(surface, &settings.guides.cones)?;
         let sized = clock.stage("curvature", || {
             ground.known.at(smooth, level, panels, options)
         })?;
-        let (curvature, mut length) = (sized.curvature, sized.length);
-        let mut directions = clock.stage("directions", || {
-            directions::directions_sized(surface, &curvature, &length, settings, progress)
+        let (curvature, length) = (&sized.curvature, &sized.length);
+        let directions = clock.stage("directions", || {
+            directions::directions_sized(surface, curvature, length, &settings, progress)
         })??;
-        let topology = surface.topology();
-        let (ratio, placed) =
-            counted_lattice(topology, &mut directions, panels, &options.layout, clock)?;
-        length.iter_mut().for_each(|l| *l *= ratio);
         Ok(Self {
             level,
-            curvature,
+            sized,
             directions,
+            settings,
+        })
+    }
+
+    /// What the judge will not like of the sizes in its metric: the panels of its lattice are
+    /// hardly more even. Panels at the boundary do not count.
+    pub(super) fn disliked(&self, smooth: &SmoothTarget) -> f64 {
+        let surface = &smooth.levels[self.level];
+        let (area, panels) = (surface.vertex_areas(), &self.directions.intrinsic.mass);
+        let inside = away_from_boundary(surface.topology());
+        // Panels at a vertex, and their area over the wished one.
+        let at = |v: &VertexId| {
+            (
+                panels[*v],
+                area[*v] / (panels[*v] * self.sized.length[*v].powi(2)),
+            )
+        };
+        let pairs: Vec<(f64, f64)> = inside.iter().map(at).collect();
+        let inner = pairs
+            .iter()
+            .map(|(n, _)| n)
+            .sum::<f64>()
+            .max(f64::MIN_POSITIVE);
+        let mean: f64 = pairs.iter().map(|(n, size)| n * size.ln()).sum::<f64>() / inner;
+        let uneven = pairs.iter().map(|(n, size)| n * (size.ln() - mean).powi(2));
+        let all: f64 = panels.iter().sum();
+        Merit::cost_of_layout(0.0, uneven.sum::<f64>() / all, 0.0)
+    }
+
+    /// The field with the seeds of its lattice.
+    pub(super) fn placed(
+        mut self,
+        ground: &Ground,
+        options: &MeshOptions,
+        clock: &mut Clock<'_>,
+    ) -> Result<Field, PipelineError> {
+        let topology = ground.smooth.levels[self.level].topology();
+        let (directions, panels) = (&mut self.directions, ground.panels);
+        let (ratio, placed) =
+            counted_lattice(topology, directions, panels, &options.layout, clock)?;
+        let mut length = self.sized.length;
+        length.iter_mut().for_each(|l| *l *= ratio);
+        Ok(Field {
+            level: self.level,
+            curvature: self.sized.curvature,
+            directions: self.directions,
             length,
-            anisotropy: settings.anisotropy,
+            anisotropy: self.settings.anisotropy,
             placed,
             layout: options.layout.clone(),
         })
+    }
+}
+
+/// Vertices of which no panel at the boundary comes, in a field of several vertices a panel.
+fn away_from_boundary(topology: &Topology) -> Vec<VertexId> {
+    let mut is_near = PerVertex::filled(topology.n_vertices(), false);
+    topology.boundary_vertices().for_each(|v| is_near[v] = true);
+    let rim = is_near.clone();
+    for f in topology.faces() {
+        let corners = topology.face_vertices(f);
+        if corners.iter().any(|v| rim[*v]) {
+            corners.iter().for_each(|v| is_near[*v] = true);
+        }
+    }
+    topology.vertices().filter(|v| !is_near[*v]).collect()
+}
+
+impl Field {
+    pub(super) fn new(
+        ground: &Ground,
+        level: usize,
+        options: &MeshOptions,
+        clock: &mut Clock<'_>,
+    ) -> Result<Self, PipelineError> {
+        Directed::new(ground, level, options, clock)?.placed(ground, options, clock)
     }
 
     /// Whether a lattice on the surface could do without any irregular panel but those that

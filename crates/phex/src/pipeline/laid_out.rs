@@ -1,10 +1,10 @@
 //! Panels that are laid out: cells of a lattice, or bricks, on the surface and not planar.
 
+use super::best_field::FieldPanels;
 use super::domain::Ground;
 use super::field::finer_ground;
 use super::options::Candidate;
 use super::restarts::most_regular;
-use super::two_fields::FieldPanels;
 use super::{Clock, PipelineError};
 use crate::directions::guides::Cone;
 use crate::layout::brick_wall::BrickWallStatistics;

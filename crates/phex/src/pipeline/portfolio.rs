@@ -186,23 +186,31 @@ impl Task<'_> {
         })
     }
 
-    /// Takes the best of those that are left.
+    /// Takes the best of those that are left: of the best that needs no search, and the best of
+    /// those that do, the one whose sizes jump less.
     fn taken(&self, left: &mut Vec<(usize, Member)>) -> Option<(usize, Member)> {
-        let merit = |k: usize| match self.searches() {
-            true => left[k].1.summary.before_search(),
-            false => left[k].1.summary.merit,
+        let best_of = |needs_search: bool| {
+            let merit = |k: usize| left[k].1.summary.before_search();
+            let better = |a, b| match merit(b).is_better(&merit(a)) {
+                true => b,
+                false => a,
+            };
+            let fits = |k: &usize| left[*k].1.summary.merit.is_within() != needs_search;
+            (0..left.len()).filter(fits).reduce(better)
         };
-        let better = |a, b| match merit(b).is_better(&merit(a)) {
-            true => b,
-            false => a,
+        let jumping = |k: usize| left[k].1.summary.outside_or_uneven();
+        let best = match (best_of(false), best_of(true)) {
+            (Some(within), Some(other)) if self.searches() && jumping(other) < jumping(within) => {
+                other
+            }
+            (within, other) => within.or(other)?,
         };
-        let best = (0..left.len()).reduce(better)?;
         Some(left.remove(best))
     }
 
     /// What is searched next, where the search has left something outside limits: the other lattice
     /// if only one was tried; the best of those that are left with [`Effort::Best`], and where a
-    /// panel is still broken.
+    /// panel is still broken or one of them is within limits as it is.
     fn next(
         &self,
         found: &SearchedMember,
@@ -214,7 +222,8 @@ impl Task<'_> {
             return None;
         }
         let [only] = &tried[..] else {
-            let all = self.options.effort == Effort::Best || found.merit.invalid > 0.0;
+            let is_there = left.iter().any(|(_, m)| m.summary.merit.is_within());
+            let all = self.options.effort == Effort::Best || found.merit.invalid > 0.0 || is_there;
             return all.then(|| self.taken(left)).flatten();
         };
         let candidate = only.candidate.resolving(self.options)?;

@@ -35,6 +35,8 @@ pub(super) struct Drawn {
     pub layout: Layout,
     /// Panels that are irregular without need.
     irregular: usize,
+    /// Distortion that a lattice of the options may have.
+    allowed: f64,
 }
 
 impl Drawn {
@@ -54,6 +56,7 @@ impl Drawn {
             placed,
             layout,
             irregular,
+            allowed: ground.options.layout.max_distortion,
         })
     }
 
@@ -82,8 +85,14 @@ impl Drawn {
             .collect();
         let [has, wants] = [0, 1].map(|k| pairs.iter().map(|p| p[k]).sum::<f64>());
         let uneven = |[area, wish]: &[f64; 2]| (area * wants / (wish * has)).ln().powi(2);
-        let uneven = pairs.iter().map(uneven).sum();
-        Merit::cost_of_layout(topology.n_faces(), self.irregular, uneven)
+        let uneven: f64 = pairs.iter().map(uneven).sum();
+        let panels = topology.n_faces().max(1) as f64;
+        let stretch = self.placed.statistics.distortion_p95 - self.allowed;
+        Merit::cost_of_layout(
+            self.irregular as f64 / panels,
+            uneven / panels,
+            stretch.max(0.0),
+        )
     }
 
     /// Irregular panels first, then the distortion of the lattice.

@@ -34,6 +34,10 @@ const WORTH: f64 = 0.02;
 /// e.
 const IRREGULAR: f64 = 10.0;
 const UNEVEN: f64 = 4.0;
+/// Cost of a lattice that is more distorted by a whole edge than it may be: between 1.1 and 2.2
+/// towers and fans keep the dislocations that make their panels less long, and shallow vaults do
+/// without.
+const STRETCHED: f64 = 1.5;
 /// Cost of a distance to the surface that is just allowed.
 const OFF: f64 = 0.5;
 impl Merit {
@@ -53,11 +57,12 @@ impl Merit {
         merit
     }
 
-    /// The cost that can be told of panels that are laid out and not planar yet: so many are
-    /// irregular without need, and `uneven` is the sum of the squared logarithms of their areas
-    /// over the wished ones.
-    pub(crate) fn cost_of_layout(panels: usize, irregular: usize, uneven: f64) -> f64 {
-        (IRREGULAR * irregular as f64 + UNEVEN * uneven) / panels.max(1) as f64
+    /// The cost that can be told of panels that are laid out and not planar yet: a `share` of them
+    /// is irregular without need, `uneven` is the mean of the squared logarithms of their areas
+    /// over the wished ones, and `stretch` the part by which the lattice is more distorted than a
+    /// lattice may be.
+    pub(crate) fn cost_of_layout(share: f64, uneven: f64, stretch: f64) -> f64 {
+        IRREGULAR * share + UNEVEN * uneven + STRETCHED * stretch
     }
 
     /// The same for panels that no areas were wished for, which then count as uneven: `uneven` is

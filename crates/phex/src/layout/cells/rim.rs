@@ -34,7 +34,7 @@ pub(crate) fn even_rim(
     if topology.is_closed() {
         return (seeds, grown);
     }
-    let area = vertex_areas(fine);
+    let area = fine.surface.vertex_areas();
     for round in 0..ROUNDS {
         if progress.is_cancelled() {
             break;
@@ -76,20 +76,6 @@ struct RimCell {
     /// Area in model units.
     area: f64,
     centroid: Vec3,
-}
-
-/// A third of the area of the triangles at each vertex, model units.
-fn vertex_areas(fine: &CellSurface<'_>) -> PerVertex<f64> {
-    let topology = fine.surface.topology();
-    let mut area = PerVertex::filled(topology.n_vertices(), 0.0);
-    for f in topology.faces() {
-        let third = fine.surface.area_vector(f).norm() / 6.0;
-        topology
-            .face_vertices(f)
-            .iter()
-            .for_each(|&v| area[v] += third);
-    }
-    area
 }
 
 fn rim_cells(
