@@ -80,11 +80,12 @@ impl FieldPanels {
         };
         let made = |(k, other): (usize, &Other)| {
             let made = other.made(ground, level, &limit, progress);
-            // One that is regular and better is enough.
+            // One that is regular and better is enough, and none cancels more than all.
             let is_enough = limit.get().is_some_and(|l| made.is_regular_and_better(*l));
-            others[k + 1..]
-                .iter()
-                .for_each(|next| next.unless(!is_enough));
+            let has_rest = |p: &Self| p.field.has_opposites(ground, f64::INFINITY);
+            if is_enough || k == 1 && !made.panels.as_ref().is_none_or(has_rest) {
+                others[k + 1..].iter().for_each(|next| next.unless(false));
+            }
             made
         };
         let each = || {
@@ -97,10 +98,11 @@ impl FieldPanels {
         };
         let (near, made): (_, Vec<MadeOther>) = rayon::join(near, each);
         let mut best = near?;
-        let limit = best.first.disliked();
+        let (limit, mut compared) = (best.first.disliked(), 0);
         let is_wanted = |other: &Other| !other.is_unwanted.load(Ordering::Relaxed);
         for (_, made) in (others.iter().zip(made)).filter(|(other, _)| is_wanted(other)) {
             clock.add(&made.stages);
+            compared += usize::from(made.panels.is_some() && made.least < limit);
             let is_enough = made.is_regular_and_better(limit);
             let least = made.is_better(limit).then_some(best.first.disliked());
             best = match made.panels {
@@ -111,6 +113,7 @@ impl FieldPanels {
                 break;
             }
         }
+        best.first.compared = compared;
         Ok(best)
     }
 

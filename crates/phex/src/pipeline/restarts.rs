@@ -37,6 +37,8 @@ pub(super) struct Drawn {
     irregular: usize,
     /// Distortion that a lattice of the options may have.
     allowed: f64,
+    /// Lattices of other fields that it was compared with.
+    pub compared: usize,
 }
 
 impl Drawn {
@@ -57,6 +59,7 @@ impl Drawn {
             layout,
             irregular,
             allowed: ground.options.layout.max_distortion,
+            compared: 0,
         })
     }
 
@@ -141,7 +144,9 @@ pub(super) fn most_regular(
         let placed = layout::place_seeds(topology, &field.directions, &options, progress)?;
         Drawn::of(placed, ground, &made, progress)
     };
+    // Two fields and three restarts cost as much as four fields and one restart.
     let starts = restarts(ground);
+    let starts = starts.min((starts + 1).saturating_sub(first.compared));
     if first.is_regular() || starts <= 1 {
         return Ok(first);
     }
