@@ -41,7 +41,7 @@ pub struct SteeringSettings {
     ))]
     pub ground: Option<TypedPlane>,
     /// How far from the ground plane vertices of the boundary may lie to be put in it, mean edges
-    /// [default: 0.5]
+    /// [default: 0.5, or less: no farther than the largest deviation]
     #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = not_negative, help_heading = "Steering"))]
     pub ground_reach: Option<f64>,
     /// Pull the nearest vertices towards points: a text file with `x y z`, or `x y z weight`, on a
@@ -280,7 +280,7 @@ impl SteeringSettings {
                 (ground.point, ground.normal) = (Some([x, y, z]), [a, b, c]);
             }
         }
-        ground.reach = self.ground_reach.unwrap_or(ground.reach);
+        ground.reach = self.ground_reach;
         ground
     }
 }

@@ -54,23 +54,14 @@ pub(super) struct Holds {
 }
 
 impl Holds {
-    /// Keeps vertices on the boundary that nothing else holds.
-    pub(crate) fn keep_rim(&mut self, held: &BTreeMap<u32, Hold>, curves: &BoundaryCurve) {
-        for (&v, &hold) in held {
-            self.held.entry(v).or_insert(hold);
-        }
-        self.rim = Some(curves.clone());
-    }
-
     /// Whether a vertex does not move at all.
     pub(crate) fn fixes(&self, vertex: u32) -> bool {
         matches!(self.held.get(&vertex), Some(Hold::At(_)))
     }
 
-    /// Lets vertices go that slide on curves or in planes.
+    /// Lets vertices go that slide on lines, curves or in planes.
     pub fn release(&mut self, loose: &BTreeSet<u32>) {
-        let slides =
-            |hold: &Hold| matches!(hold, Hold::OnCurve | Hold::OnRim | Hold::InPlane { .. });
+        let slides = |hold: &Hold| !matches!(hold, Hold::At(_));
         self.held
             .retain(|v, hold| !(loose.contains(v) && slides(hold)));
     }

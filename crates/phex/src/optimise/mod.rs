@@ -95,7 +95,7 @@ use solver::reached::Run;
 use solver::solvers::Solvers;
 use solver::start::Smoothing;
 use std::collections::{BTreeMap, BTreeSet};
-use steering::wishes;
+use steering::{grounded, on_boundary, wishes};
 use targets::reference::Reference;
 use terms::areas::{self, AreaWish};
 use terms::guard::Guard;
@@ -112,6 +112,7 @@ pub(crate) use solver::emphasis::EMPHASES;
 pub(crate) use steering::lengthened::{KeptVertices, LengthStage};
 pub use steering::on_boundary::BoundaryHold;
 pub(crate) use steering::on_boundary::{onto_boundary, steer_on_boundary};
+pub(crate) use steering::wishes::let_go_of_ground;
 pub use steering::wishes::{Anchor, GroundPlane, Steering, led_elsewhere};
 pub use targets::surface_target::SurfaceTarget;
 pub(crate) use terms::angle_term::walks::{free_edges, middle_vertex};
@@ -277,8 +278,10 @@ pub fn refit(
     options: &OptimiseOptions,
     progress: &dyn Progress,
 ) -> Result<Optimised, OptimiseError> {
-    let what = (steering, None, &BTreeSet::new());
-    from_mesh(mesh, target, what, options, progress, false)
+    let what = (steering, None, &Default::default());
+    let made = from_mesh(mesh, target, what, options, progress, false)?;
+    tell_loose((mesh, &made.mesh), steering, options, progress)?;
+    Ok(made)
 }
 
 /// As [`planarize`], with vertices held where the user wants them: fixed ones to the last bit,
@@ -294,55 +297,77 @@ pub fn steer(
     options: &OptimiseOptions,
     progress: &dyn Progress,
 ) -> Result<Optimised, OptimiseError> {
-    steer_with(mesh, target, steering, None, options, progress)
+    let what = (steering, None, &BTreeSet::new());
+    let made = steer_with(mesh, target, what, options, progress)?;
+    tell_loose((mesh, &made.mesh), steering, options, progress)?;
+    Ok(made)
 }
 
-/// Vertices that stay on the boundary, unless the user holds them, and the curves that it is.
-type HeldRim<'a> = Option<(&'a BTreeMap<u32, Hold>, &'a BoundaryCurve)>;
+/// Vertices that stay on the boundary, unless the user holds them, and the curves that it is; and
+/// whether panels far from what the user holds are to rest.
+type HeldRim<'a> = Option<(&'a BTreeMap<u32, Hold>, &'a BoundaryCurve, bool)>;
 
 fn steer_with(
     mesh: &HexMesh,
     target: Option<&dyn Target>,
-    steering: &Steering,
-    rim: HeldRim<'_>,
+    (steering, rim, loose): (&Steering, HeldRim<'_>, &BTreeSet<u32>),
     options: &OptimiseOptions,
     progress: &dyn Progress,
 ) -> Result<Optimised, OptimiseError> {
     let only_project = steering.anchors.is_empty();
-    let mut loose = BTreeSet::new();
+    let mut loose = [loose.clone(), BTreeSet::new()];
     let mut rounds = 0;
-    let result = loop {
+    loop {
         let what = (steering, rim, &loose);
         let result = from_mesh(mesh, target, what, options, progress, only_project);
         let faces: Vec<FaceId> = match &result {
             Ok(made) => made.offenders.iter().map(|o| o.face).collect(),
             Err(OptimiseError::Steering(SteeringError::Crossed { face })) => vec![*face],
-            Err(_) => break result,
+            Err(_) => return result,
         };
         let leads = !(steering.curves.is_empty() && steering.grounds.is_empty());
         let idle = faces.is_empty() || !leads;
         if idle || rounds == LETTING_GO || progress.is_cancelled() {
-            break result;
+            return result;
         }
-        if !wishes::let_go(&wishes::resolve(steering, mesh)?, mesh, &faces, &mut loose) {
-            break result;
+        let holds = wishes::resolve(steering, mesh, options.max_deviation)?;
+        if !wishes::let_go(&holds, mesh, &faces, &mut loose[1]) {
+            return result;
         }
         rounds += 1;
-    };
-    if let Some(message) = wishes::told_loose(&loose) {
+    }
+}
+
+/// Says which vertices the user's curves and planes do not hold.
+///
+/// # Errors
+/// If the mesh can't be held like that.
+pub(crate) fn tell_loose(
+    (before, after): (&HexMesh, &HexMesh),
+    steering: &Steering,
+    options: &OptimiseOptions,
+    progress: &dyn Progress,
+) -> Result<(), OptimiseError> {
+    let holds = wishes::resolve(steering, before, options.max_deviation)?;
+    let notes = [
+        wishes::told_loose(&holds, after),
+        wishes::told_beyond(steering, before, options.max_deviation),
+    ];
+    for message in notes.into_iter().flatten() {
         progress.report(&Event::Note { message });
     }
-    result
+    Ok(())
 }
 
 /// Rounds in which vertices are let go of curves and planes at the most.
 const LETTING_GO: usize = 4;
 
-/// `only_project`: a mesh that is nearly planar is not optimised otherwise.
+/// Vertices that are let go are `off` the user's curves and planes alone, or `loose` of the boundary
+/// as well; `only_project`: a mesh that is nearly planar is not optimised otherwise.
 fn from_mesh(
     mesh: &HexMesh,
     target: Option<&dyn Target>,
-    (steering, rim, loose): (&Steering, HeldRim<'_>, &BTreeSet<u32>),
+    (steering, rim, [off, loose]): (&Steering, HeldRim<'_>, &[BTreeSet<u32>; 2]),
     options: &OptimiseOptions,
     progress: &dyn Progress,
     only_project: bool,
@@ -360,12 +385,18 @@ fn from_mesh(
         stage.keep_areas(&x, options);
     }
     stage.limits = FaceLimits::of(&stage.panels, &x, options);
-    stage.holds = wishes::resolve(steering, mesh)?;
-    if let Some((held, curves)) = rim {
-        stage.holds.keep_rim(held, curves);
+    stage.holds = wishes::resolve(steering, mesh, options.max_deviation)?;
+    stage.holds.release(off);
+    if let Some((held, curves, _)) = rim {
+        grounded::keep_rim(&mut stage.holds, mesh, held, curves);
     }
     stage.holds.release(loose);
     let x = wishes::put_in_place(&stage.holds, &stage.panels, mesh)?;
+    if let Some((_, curves, _)) = rim.filter(|(.., rests)| *rests && only_project) {
+        if let Some(run) = on_boundary::nearby(&stage, mesh, &x, curves, options, progress)? {
+            return Ok(finished(mesh, run));
+        }
+    }
     let mut solvers = Solvers::new(&stage.panels)?;
     let run = match only_project {
         true => stage.run_as_given(&mut solvers, &x, options, progress)?,

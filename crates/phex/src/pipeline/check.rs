@@ -157,7 +157,7 @@ fn steering_fits(steering: &Steering) -> Result<(), BadOption> {
     let grounds = || steering.grounds.iter();
     points("grounds.point", grounds().filter_map(|g| g.point.as_ref()))?;
     points("grounds.normal", grounds().map(|g| &g.normal))?;
-    grounds().try_for_each(|g| not_negative(&[("grounds.reach", g.reach)]))?;
+    grounds().try_for_each(|g| not_negative(&[("grounds.reach", g.reach.unwrap_or(0.0))]))?;
     let mut weights = steering
         .anchors
         .iter()

@@ -6,6 +6,7 @@ use crate::progress::Progress;
 use crate::smooth_surface::boundary_corners;
 use crate::trim::Boundary;
 use phex_mesh::{BoundaryCurve, HexMesh, TriangleSurface, Vec3};
+use std::collections::BTreeSet;
 
 /// The boundary of a surface where a mesh ends at it; `None` if it is closed, or panels stay whole.
 pub(super) fn held(surface: &TriangleSurface, options: &MeshOptions) -> Option<BoundaryHold> {
@@ -16,23 +17,21 @@ pub(super) fn held(surface: &TriangleSurface, options: &MeshOptions) -> Option<B
     })
 }
 
-/// The mesh with vertices held as the user wants it, those on the boundary of `surface` staying
-/// there where that can be.
+/// The mesh with vertices held as the user wants it, without those that are `loose`, and those on
+/// the boundary of `surface` staying there where that can be; with `rests` panels far from what is
+/// held stay as they are.
 pub(super) fn steered(
     mesh: &HexMesh,
     surface: &TriangleSurface,
-    options: &MeshOptions,
+    (options, loose, rests): (&MeshOptions, &BTreeSet<u32>, bool),
     progress: &dyn Progress,
 ) -> Result<Optimised, PipelineError> {
     let target = SurfaceTarget::new(surface);
-    let (steering, settings) = (&options.steering, &options.optimise);
-    let made = match held(surface, options) {
-        None => optimise::steer(mesh, Some(&target), steering, settings, progress),
-        Some(hold) => {
-            optimise::steer_on_boundary(mesh, &target, steering, &hold, settings, progress)
-        }
-    };
-    Ok(made?)
+    let hold = held(surface, options);
+    let what = (&options.steering, loose, rests);
+    let settings = &options.optimise;
+    let made = optimise::steer_on_boundary(mesh, &target, what, hold.as_ref(), settings, progress)?;
+    Ok(made)
 }
 
 /// Sharp corners of the boundary.

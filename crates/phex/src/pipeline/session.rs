@@ -157,7 +157,7 @@ impl Session {
         let surface = &model.surface;
         let mut clock = Clock::new(in_model);
         let made = self.panelled(model, panels, &options, &mut clock);
-        let held = made.and_then(|run| steered::steered(run, &options, &mut clock));
+        let held = made.and_then(|run| steered::steered(run, surface, &options, &mut clock));
         let equal = held.and_then(|run| repeated::repeated(run, surface, &options, &mut clock));
         let run = equal.map_err(|error| error.in_model(model))?;
         let kept = |o: &Orbits| o.are_kept(&model.affinity);

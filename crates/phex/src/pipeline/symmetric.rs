@@ -173,6 +173,11 @@ fn followed(summary: &SymmetrySummary, groups: &[Group]) -> String {
 
 /// What a symmetry may have cost, for the end of a sentence.
 fn price_of(irregular: usize, is_within: bool) -> String {
+    let it = if irregular == 1 && is_within {
+        "it"
+    } else {
+        "they"
+    };
     let irregular = match irregular {
         0 => None,
         1 => Some("one panel is irregular without need".to_owned()),
@@ -183,7 +188,7 @@ fn price_of(irregular: usize, is_within: bool) -> String {
     match told.is_empty() {
         true => String::new(),
         false => format!(
-            "; {}, which they may not be without the symmetry",
+            "; {}, which {it} may not be without the symmetry",
             told.join(" and ")
         ),
     }
@@ -696,6 +701,11 @@ mod tests {
     #[test]
     fn what_a_symmetry_costs_is_told() {
         assert_eq!(price_of(0, true), "");
+        let one = price_of(1, true);
+        assert!(
+            one.ends_with("need, which it may not be without the symmetry"),
+            "{one}"
+        );
         assert!(price_of(24, true).starts_with("; 24 panels are irregular without need, which"));
         assert!(price_of(1, false).contains("without need and panels are outside limits, which"));
     }

@@ -1,7 +1,9 @@
 //! Teeth of a boundary: where sharp turns to either side alternate.
 //!
 //! They come from a line along which triangles have been cut away whole, and nobody wants panels
-//! cut like that. A sharp turn with none near that turns the other way is a corner, and stays.
+//! cut like that. A sharp turn with none near that turns the other way is a corner, and stays; so
+//! does one with a single opposite turn beside it, as where a support ends near its corner, on a
+//! loop that has no row of teeth.
 
 use super::Coarsened;
 use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
@@ -94,7 +96,16 @@ pub(super) fn line_through_teeth(
     let is_opposite = |a: f64, b: f64| a * b < 0.0 && b.abs() >= ALIKE * a.abs();
     let has_opposite =
         |i: usize| (n - NEAR..=n + NEAR).any(|k| is_opposite(turns[i], turns[(i + k) % n]));
-    let is_tooth: Vec<bool> = (0..n).map(|i| n >= FEWEST && has_opposite(i)).collect();
+    let alternates = |i: usize, j: usize| {
+        has_opposite(i) && has_opposite(j % n) && turns[i] * turns[j % n] < 0.0
+    };
+    let next = |i: usize| {
+        (i + 1..=i + NEAR)
+            .find(|&j| alternates(i, j))
+            .map(|j| j % n)
+    };
+    let has_row = n >= FEWEST && (0..n).any(|i| next(i).and_then(next).is_some());
+    let is_tooth: Vec<bool> = (0..n).map(|i| has_row && has_opposite(i)).collect();
     for _ in 0..SMOOTHING {
         let average = |i: usize| match is_tooth[i] {
             true => (line[(i + n - 1) % n] + line[i] * 2.0 + line[(i + 1) % n]) / 4.0,
@@ -165,6 +176,31 @@ pub(crate) mod tests {
         let number = |v: u32| used.iter().position(|u| *u == v).unwrap() as u32;
         let triangles: Vec<[u32; 3]> = kept.iter().map(|t| t.map(number)).collect();
         TriangleSurface::new(used.iter().map(|v| place(*v)).collect(), &triangles).unwrap()
+    }
+
+    /// A strip whose lower edge turns by `turns` (radians, to the left) at its inner vertices.
+    fn strip(turns: &[f64]) -> TriangleSurface {
+        let mut lower = vec![Vec3::zeros()];
+        let mut way = 0.0_f64;
+        for turn in turns.iter().chain(&[0.0]) {
+            lower.push(lower[lower.len() - 1] + Vec3::new(way.cos(), way.sin(), 0.0));
+            way += turn;
+        }
+        let n = lower.len() as u32;
+        let upper = (0..n).map(|i| Vec3::new(f64::from(i), 9.0, 0.0));
+        let places = lower.iter().copied().chain(upper).collect();
+        let cells = (0..n - 1).flat_map(|i| [[i, i + 1, n + i], [i + 1, n + i + 1, n + i]]);
+        TriangleSurface::new(places, &cells.collect::<Vec<_>>()).unwrap()
+    }
+
+    /// A support ends two edges from its corner, where the free edge leaves it.
+    #[test]
+    fn a_corner_beside_the_end_of_its_support_is_no_tooth() {
+        let straight = [0.0; 4];
+        let with =
+            |turns: &[f64]| without_teeth(&strip(&[&straight, turns, &straight].concat()), 1.0);
+        assert!(with(&[-0.8, 0.0, 0.9]).is_none());
+        assert!(with(&[-0.8, 0.9, -0.8]).is_some());
     }
 
     #[test]

@@ -70,6 +70,6 @@ fn reaches(surface: &TriangleSurface, ground: &GroundPlane, edge: f64) -> bool {
     let Some(point) = ground.point.map(Vec3::from) else {
         return false;
     };
-    let reach = ground.reach * edge * normal.norm();
+    let reach = ground.farthest() * edge * normal.norm();
     boundary(surface).any(|p| normal.dot(&(p - point)).abs() <= reach)
 }

@@ -4,6 +4,7 @@
 //! energy, whose weight the caller raises; the weights of all limits rise with it, so that lengths
 //! never buy what a limit forbids.
 
+use super::grounded;
 use super::on_boundary::{ON_IT, already_there};
 use super::wishes;
 use crate::optimise::holds::Anchored;
@@ -90,7 +91,7 @@ impl<'a> LengthStage<'a> {
         for (f, wished) in stage.limits.clearance.iter_mut().enumerate() {
             *wished = wished.min(KEPT * clearance(shape.face(&stage.panels, f)));
         }
-        let mut held = wishes::resolve(kept.steering, mesh)?;
+        let mut held = wishes::resolve(kept.steering, mesh, options.max_deviation)?;
         // What was let go of curves and planes, since panels could not be planar there, is near
         // them, and would be put back.
         let near = ON_IT * mesh.diagonal();
@@ -103,7 +104,7 @@ impl<'a> LengthStage<'a> {
         if let Some(hold) = kept.hold {
             let mut rim = already_there(mesh, hold);
             rim.retain(|v, _| kept.quotient.is_free(*v));
-            stage.holds.keep_rim(&rim, &hold.curves);
+            grounded::keep_rim(&mut stage.holds, mesh, &rim, &hold.curves);
         }
         // What nothing draws to the boundary, and fairness draws away from it, stays near.
         for v in mesh.topology().vertices() {

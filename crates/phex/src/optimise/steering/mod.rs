@@ -2,6 +2,7 @@
 //! curve, edges drawn to other lengths.
 
 mod components;
+pub(super) mod grounded;
 pub(super) mod lengthened;
 pub(super) mod on_boundary;
 pub(super) mod wishes;

@@ -17,7 +17,7 @@ use crate::optimise::solver::parts::PartRegion;
 use crate::optimise::solver::reached::Run;
 use crate::optimise::{
     Fault, Offender, OptimiseError, OptimiseOptions, Optimised, OptimisedFigures, Stage, Steering,
-    Target, check_mesh, finished as finished_mesh, mesh_at,
+    Target, check_mesh, finished as finished_mesh, mesh_at, steer_with,
 };
 use crate::progress::Progress;
 use phex_mesh::{
@@ -101,7 +101,7 @@ pub fn onto_boundary(
         };
         let start = stage.start_at(&band.moved(&start, &x));
         let run = stage.run_projection_of(&band, &mut solvers, &start, options, progress);
-        let harmed = harmed(mesh, &run, &before, &hold.curves);
+        let harmed = harmed((mesh, &stage.holds), &run, &before, &hold.curves);
         if harmed.is_empty() {
             return Ok((!run.is_cancelled()).then(|| finished_mesh(mesh, run)));
         }
@@ -117,28 +117,62 @@ pub fn onto_boundary(
     Ok(None)
 }
 
-/// As [`steer`](crate::optimise::steer), and vertices that lie on the boundary's curves or corners
-/// stay there where panels allow it: what the user holds comes first.
+/// The mesh with held vertices at `start` and the panels near them made planar, while the others
+/// rest; `None` if that can't be done without harm.
+pub(in crate::optimise) fn nearby(
+    stage: &Stage<'_>,
+    mesh: &HexMesh,
+    start: &[f64],
+    curves: &BoundaryCurve,
+    options: &OptimiseOptions,
+    progress: &dyn Progress,
+) -> Result<Option<Run>, OptimiseError> {
+    let x = unknowns(mesh);
+    let moves = |v: &u32| point(start, *v as usize) != point(&x, *v as usize);
+    let moved: Vec<u32> = stage.holds.held.keys().copied().filter(moves).collect();
+    if moved.is_empty() {
+        return Ok(None);
+    }
+    let (before, _) = stage.inspected(&x, options);
+    let band = PartRegion::near(&stage.panels, moved.into_iter(), BAND);
+    let mut solvers = band.solvers(&stage.panels)?;
+    let start = stage.start_at(&band.moved(start, &x));
+    let run = stage.run_projection_of(&band, &mut solvers, &start, options, progress);
+    let is_usable =
+        !run.is_cancelled() && harmed((mesh, &stage.holds), &run, &before, curves).is_empty();
+    Ok(is_usable.then_some(run))
+}
+
+/// As [`steer`](crate::optimise::steer), without those of the held vertices that are `loose`, and
+/// vertices that lie on the boundary's curves or corners stay there where panels allow it: what the
+/// user holds comes first. With `rests`, panels far from that stay as they are, where they can.
 ///
 /// # Errors
 /// As [`steer`](crate::optimise::steer).
 pub fn steer_on_boundary(
     mesh: &HexMesh,
     target: &dyn Target,
-    steering: &Steering,
-    hold: &BoundaryHold,
+    (steering, loose, rests): (&Steering, &BTreeSet<u32>, bool),
+    hold: Option<&BoundaryHold>,
     options: &OptimiseOptions,
     progress: &dyn Progress,
 ) -> Result<Optimised, OptimiseError> {
+    let Some(hold) = hold else {
+        return steer_with(
+            mesh,
+            Some(target),
+            (steering, None, loose),
+            options,
+            progress,
+        );
+    };
     let mut held = already_there(mesh, hold);
     for _ in 0..ROUNDS {
         if held.is_empty() || progress.is_cancelled() {
             break;
         }
-        let rim = Some((&held, &hold.curves));
-        let Ok(result) =
-            crate::optimise::steer_with(mesh, Some(target), steering, rim, options, progress)
-        else {
+        let what = (steering, Some((&held, &hold.curves, rests)), loose);
+        let Ok(result) = steer_with(mesh, Some(target), what, options, progress) else {
             break;
         };
         if result.is_sound() {
@@ -151,7 +185,13 @@ pub fn steer_on_boundary(
             break;
         }
     }
-    crate::optimise::steer(mesh, Some(target), steering, options, progress)
+    steer_with(
+        mesh,
+        Some(target),
+        (steering, None, loose),
+        options,
+        progress,
+    )
 }
 
 /// Vertices of the boundary that lie on the curves, and those at corners or over them: a panel that
@@ -248,7 +288,7 @@ pub(super) fn near_corners(mesh: &HexMesh, corners: &[Vec3]) -> Vec<(VertexId, V
 
 /// Vertices of panels that holding has harmed; none if the result can be used.
 fn harmed(
-    mesh: &HexMesh,
+    (mesh, holds): (&HexMesh, &Holds),
     run: &Run,
     before: &OptimisedFigures,
     curves: &BoundaryCurve,
@@ -271,14 +311,18 @@ fn harmed(
         let after = mesh_at(mesh, &run.x);
         faces.extend(squeezed(&after, run, before));
         faces.extend(grown_small(mesh, &after));
-        let drifted = drifted(mesh, &after, curves).into_iter();
+        let drifted = drifted((mesh, holds), &after, curves).into_iter();
         faces.extend(drifted.flat_map(|v| topology.faces_at(v)));
     }
     corners_of(mesh, &faces)
 }
 
 /// Vertices of the boundary that nothing holds, and that have moved off the curve.
-fn drifted(before: &HexMesh, after: &HexMesh, curves: &BoundaryCurve) -> Vec<VertexId> {
+fn drifted(
+    (before, holds): (&HexMesh, &Holds),
+    after: &HexMesh,
+    curves: &BoundaryCurve,
+) -> Vec<VertexId> {
     let topology = before.topology();
     let distance = |p: Vec3| (curves.closest_point(p).position - p).norm();
     let off = |v: &VertexId| {
@@ -286,7 +330,8 @@ fn drifted(before: &HexMesh, after: &HexMesh, curves: &BoundaryCurve) -> Vec<Ver
             > distance(before.position(*v)) + MOST_DRIFT * before.mean_edge()
     };
     let rim = topology.boundary_vertices();
-    rim.filter(off).collect()
+    let is_free = |v: &VertexId| !holds.held.contains_key(&(v.index() as u32));
+    rim.filter(is_free).filter(off).collect()
 }
 
 /// Panels at the boundary that have become too small, where none was.

@@ -5,9 +5,9 @@
 //! optimiser then starts from there.
 
 use crate::optimise::error::{MOST_MOVE, OptimiseError, SteeringError};
-use crate::optimise::holds::{Anchored, Hold, Holds};
+use crate::optimise::holds::{Anchored, Hold, Holds, PUT_THERE};
 use crate::optimise::inspect::{Fault, Offender};
-use crate::optimise::panels::{FaceShapes, Panels, flatten, points, put, unknowns};
+use crate::optimise::panels::{FaceShapes, Panels, flatten, point, points, put, unknowns};
 use crate::optimise::simple::crossed;
 use phex_mesh::{BoundaryCurve, FaceId, FacePlane, HexMesh, PerVertex, Vec3, VertexId};
 use serde::{Deserialize, Serialize};
@@ -25,16 +25,13 @@ pub struct GroundPlane {
     #[serde(default = "upwards")]
     pub normal: [f64; 3],
     /// Vertices of the boundary within this distance are put in the plane, mean edges, >= 0.
-    #[serde(default = "half")]
-    pub reach: f64,
+    /// Without it half a mean edge, and no farther than panels may be from the surface.
+    #[serde(default)]
+    pub reach: Option<f64>,
 }
 
 fn upwards() -> [f64; 3] {
     [0.0, 0.0, 1.0]
-}
-
-fn half() -> f64 {
-    0.5
 }
 
 impl Default for GroundPlane {
@@ -42,8 +39,22 @@ impl Default for GroundPlane {
         Self {
             point: None,
             normal: upwards(),
-            reach: half(),
+            reach: None,
         }
+    }
+}
+
+impl GroundPlane {
+    /// Mean edges from the plane beyond which it concerns no vertex.
+    pub(super) fn farthest(&self) -> f64 {
+        self.reach.unwrap_or(GROUND_REACH)
+    }
+
+    /// Mean edges from the plane within which vertices are put in it; `most` is how far panels may
+    /// be from the surface.
+    fn nearest(&self, most: Option<f64>) -> f64 {
+        let most = most.filter(|_| self.reach.is_none());
+        self.farthest().min(most.unwrap_or(f64::INFINITY))
     }
 }
 
@@ -121,6 +132,9 @@ impl Steering {
 
 /// Lengths of a model within which two places differ by rounding alone.
 const SAME_PLACE: f64 = 1e-13;
+/// Mean edges within which vertices of the boundary are put in a ground plane, where the surface
+/// may be that far.
+const GROUND_REACH: f64 = 0.5;
 /// Mean edges within which vertices of the boundary slide on a curve.
 const CURVE_REACH: f64 = 0.5;
 /// Mean edges from the end of a curve within which a vertex beyond it is put on it.
@@ -128,16 +142,13 @@ const END_REACH: f64 = 0.05;
 /// Rounds in which a displacement spreads to the neighbours.
 const SPREADING: usize = 40;
 
-/// The holds on a mesh.
+/// The holds on a mesh; `most` is how far from the surface panels may be, over the diagonal.
 pub(in crate::optimise) fn resolve(
     steering: &Steering,
     mesh: &HexMesh,
+    most: Option<f64>,
 ) -> Result<Holds, OptimiseError> {
-    let mut resolver = Resolver {
-        mesh,
-        mean_edge: mesh.mean_edge(),
-        holds: Holds::default(),
-    };
+    let mut resolver = Resolver::new(mesh, most);
     resolver.fix_vertices(&steering.fixed_vertices)?;
     resolver.fix_points(&steering.fixed_points)?;
     resolver.slide(&steering.curves)?;
@@ -151,6 +162,8 @@ pub(in crate::optimise) fn resolve(
 struct Resolver<'a> {
     mesh: &'a HexMesh,
     mean_edge: f64,
+    /// How far panels may be from the surface, mean edges.
+    most: Option<f64>,
     holds: Holds,
 }
 
@@ -166,7 +179,16 @@ fn finite(what: &'static str, index: usize, p: [f64; 3]) -> Result<Vec3, Steerin
     }
 }
 
-impl Resolver<'_> {
+impl<'a> Resolver<'a> {
+    fn new(mesh: &'a HexMesh, most: Option<f64>) -> Self {
+        Self {
+            mesh,
+            mean_edge: mesh.mean_edge(),
+            most: most.map(|m| m * mesh.diagonal() / mesh.mean_edge()),
+            holds: Holds::default(),
+        }
+    }
+
     fn hold(
         &mut self,
         what: &'static str,
@@ -272,12 +294,32 @@ impl Resolver<'_> {
     }
 
     fn stand(&mut self, index: usize, ground: &GroundPlane) -> Result<(), SteeringError> {
+        let (point, normal) = self.plane(index, ground)?;
+        let height = |p: Vec3| normal.dot(&(p - point)).abs();
+        let rounding = PUT_THERE * self.mesh.diagonal();
+        let reach = ground.nearest(self.most) * self.mean_edge;
+        self.hold_rim(Hold::InPlane { point, normal }, |p| {
+            height(p) <= reach.max(rounding)
+        });
+        let mut rim = self.mesh.topology().boundary_vertices();
+        let farthest = ground.farthest() * self.mean_edge;
+        match rim.any(|v| height(self.mesh.position(v)) <= farthest) {
+            true => Ok(()),
+            false => Err(SteeringError::NothingNear {
+                what: "the ground plane",
+                reach: ground.farthest(),
+            }),
+        }
+    }
+
+    /// A point of a ground plane and its unit normal.
+    fn plane(&self, index: usize, ground: &GroundPlane) -> Result<(Vec3, Vec3), SteeringError> {
         let unusable = |reason| SteeringError::Unusable {
             what: "ground plane",
             index,
             reason,
         };
-        if !(ground.reach >= 0.0 && ground.reach.is_finite()) {
+        if (ground.reach).is_some_and(|reach| !(reach >= 0.0 && reach.is_finite())) {
             return Err(unusable("its reach is negative or not finite"));
         }
         let normal = finite("ground plane", index, ground.normal)?;
@@ -288,15 +330,19 @@ impl Resolver<'_> {
             Some(p) => finite("ground plane", index, p)?,
             None => self.lowest(normal)?,
         };
-        let reach = ground.reach * self.mean_edge;
-        let near = |p: Vec3| normal.dot(&(p - point)).abs() <= reach;
-        match self.hold_rim(Hold::InPlane { point, normal }, near) {
-            true => Ok(()),
-            false => Err(SteeringError::NothingNear {
-                what: "the ground plane",
-                reach: ground.reach,
-            }),
-        }
+        Ok((point, normal))
+    }
+
+    /// Distances from a ground plane, in mean edges, of vertices of the boundary that are near it
+    /// and not put in it, since panels may not be that far from the surface.
+    fn beyond(&self, index: usize, ground: &GroundPlane) -> Result<Vec<f64>, SteeringError> {
+        let (point, normal) = self.plane(index, ground)?;
+        let reach = ground.nearest(self.most);
+        let height = |v| normal.dot(&(self.mesh.position(v) - point)).abs() / self.mean_edge;
+        let heights = self.mesh.topology().boundary_vertices().map(height);
+        Ok(heights
+            .filter(|h| (reach..ground.farthest()).contains(h))
+            .collect())
     }
 
     /// The lowest vertex of the boundary.
@@ -391,19 +437,50 @@ pub(in crate::optimise) fn let_go(
     any
 }
 
+/// Lets go of vertices that a ground plane takes for want of a reach: those of some faces, else of
+/// the faces beside them. Tells whether there was one.
+pub(crate) fn let_go_of_ground(
+    steering: &Steering,
+    mesh: &HexMesh,
+    faces: &BTreeSet<FaceId>,
+    loose: &mut BTreeSet<u32>,
+) -> bool {
+    let taking = Steering {
+        grounds: (steering.grounds.iter().copied())
+            .filter(|ground| ground.reach.is_none())
+            .collect(),
+        ..Steering::default()
+    };
+    let topology = mesh.topology();
+    let held = resolve(&taking, mesh, None).unwrap_or_default().held;
+    let found = |faces: &BTreeSet<FaceId>| -> Vec<u32> {
+        let corners = faces.iter().flat_map(|f| topology.face_vertices(*f));
+        let numbers = corners.map(|v| v.index() as u32);
+        numbers
+            .filter(|v| held.contains_key(v) && !loose.contains(v))
+            .collect()
+    };
+    let corners = faces.iter().flat_map(|f| topology.face_vertices(*f));
+    let around = corners.flat_map(|v| topology.faces_at(*v)).collect();
+    let all = [found(faces), found(&around)];
+    let more = all.into_iter().find(|found| !found.is_empty());
+    let any = more.is_some();
+    loose.extend(more.into_iter().flatten());
+    any
+}
+
 /// Vertices named in a note at the most.
 const NAMED: usize = 10;
 
-/// Faces of which a vertex is led along a curve or in a ground plane, in order: their boundary is
-/// not that of the surface.
+/// Faces of which a vertex is led along a curve, in order: their boundary is not that of the
+/// surface.
 pub fn led_elsewhere(steering: &Steering, mesh: &HexMesh) -> Vec<FaceId> {
     let leading = Steering {
         curves: steering.curves.clone(),
-        grounds: steering.grounds.clone(),
         ..Steering::default()
     };
     // What can't be led at all was refused before there was a mesh.
-    let held = resolve(&leading, mesh)
+    let held = resolve(&leading, mesh, None)
         .map_or_else(|_| Vec::new(), |holds| holds.held.into_keys().collect());
     let faces: BTreeSet<FaceId> = (held.into_iter())
         .flat_map(|v| mesh.topology().faces_at(VertexId::new(v)))
@@ -411,8 +488,13 @@ pub fn led_elsewhere(steering: &Steering, mesh: &HexMesh) -> Vec<FaceId> {
     faces.into_iter().collect()
 }
 
-/// What to tell of vertices that were let go of curves and planes; nothing of none.
-pub(in crate::optimise) fn told_loose(loose: &BTreeSet<u32>) -> Option<String> {
+/// What to tell of vertices that are not on the curves and in the planes that hold them; nothing
+/// of none.
+pub(in crate::optimise) fn told_loose(holds: &Holds, after: &HexMesh) -> Option<String> {
+    let x = unknowns(after);
+    let near = PUT_THERE * after.diagonal();
+    let away = |&(v, place): &(u32, Vec3)| (place - point(&x, v as usize)).norm() > near;
+    let loose: Vec<u32> = holds.places(&x).filter(away).map(|(v, _)| v).collect();
     let names: Vec<String> = loose.iter().take(NAMED).map(u32::to_string).collect();
     let more = match loose.len().saturating_sub(NAMED) {
         0 => String::new(),
@@ -420,10 +502,30 @@ pub(in crate::optimise) fn told_loose(loose: &BTreeSet<u32>) -> Option<String> {
     };
     (!loose.is_empty()).then(|| {
         format!(
-            "vertices of the boundary that are not held on the curve or in the plane, since panels there could not be planar: {}{more}",
+            "vertices of the boundary that are not held on the curve or in the plane, since panels there could not be planar, would lie flat, or be outside limits: {}{more}",
             names.join(" ")
         )
     })
+}
+
+/// What to tell of vertices near ground planes that are too far to be put in them; nothing of none.
+pub(in crate::optimise) fn told_beyond(
+    steering: &Steering,
+    mesh: &HexMesh,
+    most: Option<f64>,
+) -> Option<String> {
+    let resolver = Resolver::new(mesh, most);
+    let grounds = steering.grounds.iter().enumerate();
+    let far = grounds.filter_map(|(index, ground)| resolver.beyond(index, ground).ok());
+    let far: Vec<f64> = far.flatten().collect();
+    let most = (100.0 * far.iter().copied().reduce(f64::max)?).ceil() / 100.0;
+    let (count, it) = match far.len() {
+        1 => ("1 vertex".to_owned(), "it"),
+        n => (format!("{n} vertices"), "them"),
+    };
+    Some(format!(
+        "not in the ground plane, since it is farther than the largest deviation: {count} of the boundary, up to {most} mean edges away; `--ground-reach {most}` puts {it} in it, off the surface"
+    ))
 }
 
 /// The mesh with held vertices at their places, where that breaks no panel.

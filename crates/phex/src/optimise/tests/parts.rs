@@ -237,7 +237,7 @@ fn what_is_held_goes_to_the_nearest_surface() {
         grounds: vec![GroundPlane {
             point: None,
             normal: [0.0, 0.0, 1.0],
-            reach: 0.5,
+            reach: Some(0.5),
         }],
     };
     let shares = steering.shared(&surfaces, 0.1);
@@ -251,7 +251,7 @@ fn what_is_held_goes_to_the_nearest_surface() {
         grounds: vec![GroundPlane {
             point: Some([0.0, 0.0, -9.0]),
             normal: [0.0, 0.0, 1.0],
-            reach: 0.5,
+            reach: Some(0.5),
         }],
         ..Steering::default()
     };

@@ -4,7 +4,7 @@ use super::fixtures::{Shape, brick_wall, jittered, planar_paraboloid};
 use super::whole::{CancelAfter, all_simple, assert_sound};
 use crate::optimise::{
     Anchor, GroundPlane, OptimiseError, OptimiseOptions, Optimised, Steering, SteeringError,
-    led_elsewhere, refit, steer,
+    led_elsewhere, refit, steer, wishes,
 };
 use crate::progress::{Event, Progress, Silent};
 use phex_mesh::{FaceId, HexMesh, Vec3, VertexId};
@@ -75,7 +75,7 @@ fn vertices_stay_in_planes_straight_and_oblique() {
         let ground = GroundPlane {
             point: Some([0.0, lowest, 0.0]),
             normal: normal.into(),
-            reach: 0.3,
+            reach: Some(0.3),
         };
         let steering = Steering {
             grounds: vec![ground],
@@ -108,7 +108,40 @@ fn the_ground_without_a_point_is_at_the_lowest_vertex_of_the_boundary() {
         grounds: vec![GroundPlane::default()],
         ..Default::default()
     };
-    assert!(!led_elsewhere(&steering, &bowl).is_empty());
+    let held = wishes::resolve(&steering, &bowl, None).unwrap().held;
+    assert!(!held.is_empty());
+    assert!(
+        led_elsewhere(&steering, &bowl).is_empty(),
+        "the boundary is judged"
+    );
+}
+
+#[test]
+fn the_ground_takes_nothing_from_farther_than_panels_may_be_from_the_surface() {
+    let wall = brick_wall(Shape::Wave, 15, 8);
+    let edge = wall.mean_edge();
+    let level = -2.0 - 0.2 * edge;
+    let steering = Steering {
+        grounds: vec![GroundPlane {
+            point: Some([0.0, level, 0.0]),
+            normal: [0.0, 1.0, 0.0],
+            reach: None,
+        }],
+        ..Default::default()
+    };
+    for (most, told) in [(0.3, false), (0.1, true)] {
+        let options = OptimiseOptions {
+            max_deviation: Some(most * edge / wall.diagonal()),
+            ..OptimiseOptions::default()
+        };
+        let notes = Notes::default();
+        let made = steer(&wall, Some(&Shape::Wave), &steering, &options, &notes).unwrap();
+        let stands = |v: &VertexId| made.mesh.positions[*v].y == level;
+        assert_eq!(rim(&wall).iter().any(stands), !told, "{most}");
+        let notes = notes.0.into_inner().unwrap();
+        let tells = notes.iter().any(|n| n.contains("`--ground-reach 0.2"));
+        assert_eq!(tells, told, "{notes:?}");
+    }
 }
 
 #[test]
@@ -391,7 +424,7 @@ fn cancelled_at_any_iteration_held_vertices_are_in_place() {
     let ground = GroundPlane {
         point: Some([0.0, -2.0, 0.0]),
         normal: [0.0, 1.0, 0.0],
-        reach: 0.1,
+        reach: Some(0.1),
     };
     let steering = Steering {
         fixed_points: vec![point.into()],
