@@ -144,9 +144,9 @@ pub(super) fn most_regular(
         let placed = layout::place_seeds(topology, &field.directions, &options, progress)?;
         Drawn::of(placed, ground, &made, progress)
     };
-    // Two fields and three restarts cost as much as four fields and one restart.
+    // Three fields and three restarts cost as much as four fields and two restarts.
     let starts = restarts(ground);
-    let starts = starts.min((starts + 1).saturating_sub(first.compared));
+    let starts = starts.min((starts + 2).saturating_sub(first.compared));
     if first.is_regular() || starts <= 1 {
         return Ok(first);
     }
