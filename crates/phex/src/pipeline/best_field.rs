@@ -39,6 +39,10 @@ struct Other {
 struct MadeOther {
     /// What is not liked of its sizes, whatever its panels.
     least: f64,
+    /// Whether some of its cones could cancel; none if it was given up before.
+    has_opposites: Option<bool>,
+    is_laid_out: bool,
+    /// None if they are not better.
     panels: Option<FieldPanels>,
     stages: Vec<StageSeconds>,
 }
@@ -59,7 +63,7 @@ impl FieldPanels {
         }
         // Others are begun where a thread is idle, and end as soon as they are not wanted.
         let others = Other::all(options);
-        let [_, far, all] = &others;
+        let [far, _, all] = &others;
         let (limit, progress) = (OnceLock::new(), clock.progress);
         let near = || {
             let field = Field::new(ground, level, options, clock);
@@ -80,12 +84,11 @@ impl FieldPanels {
         };
         let made = |(k, other): (usize, &Other)| {
             let made = other.made(ground, level, &limit, progress);
-            // One that is regular and better is enough, and none cancels more than all.
+            // One that is regular and better is enough.
             let is_enough = limit.get().is_some_and(|l| made.is_regular_and_better(*l));
-            let has_rest = |p: &Self| p.field.has_opposites(ground, f64::INFINITY);
-            if is_enough || k == 1 && !made.panels.as_ref().is_none_or(has_rest) {
-                others[k + 1..].iter().for_each(|next| next.unless(false));
-            }
+            let later = others[k + 1..].iter();
+            later.for_each(|other| other.unless(!is_enough));
+            all.unless(k > 0 || made.has_opposites != Some(false));
             made
         };
         let each = || {
@@ -102,7 +105,7 @@ impl FieldPanels {
         let is_wanted = |other: &Other| !other.is_unwanted.load(Ordering::Relaxed);
         for (_, made) in (others.iter().zip(made)).filter(|(other, _)| is_wanted(other)) {
             clock.add(&made.stages);
-            compared += usize::from(made.panels.is_some() && made.least < limit);
+            compared += usize::from(made.is_laid_out && made.least < limit);
             let is_enough = made.is_regular_and_better(limit);
             let least = made.is_better(limit).then_some(best.first.disliked());
             best = match made.panels {
@@ -141,15 +144,15 @@ impl FieldPanels {
 }
 
 impl Other {
-    /// One with sizes that need no dislocations, where none are asked for; one in which far cones
-    /// cancel, and one in which all of them do. Rows run across small holes in each.
+    /// One in which far cones cancel; one with sizes that need no dislocations, where none are asked
+    /// for; and one in which all cones cancel. Rows run across small holes in each.
     fn all(options: &MeshOptions) -> [Self; 3] {
         let far = Self::cancelling(options, FAR_REACH);
         let all = Self::cancelling(options, f64::INFINITY);
         let mut seamless = Self::cancelling(options, f64::INFINITY);
         allow_sizes(&mut seamless.options);
         seamless.unless(seamless.options.layout != options.layout && !options.varies_sizes());
-        [seamless, far, all]
+        [far, seamless, all]
     }
 
     fn cancelling(options: &MeshOptions, reach: f64) -> Self {
@@ -181,10 +184,15 @@ impl Other {
         // A field from which no panels come is no better.
         if let Ok(directed) = Directed::new(ground, level, &self.options, &mut clock) {
             made.least = directed.disliked(&ground.smooth);
+            made.has_opposites = Some(directed.has_opposites(&ground.smooth, f64::INFINITY));
             if limit.get().is_none_or(|limit| made.least < *limit) {
                 let field = directed.placed(ground, &self.options, &mut clock);
                 let panels = field.and_then(|f| FieldPanels::of(ground, f, &mut clock));
                 made.panels = panels.ok();
+                made.is_laid_out = made.panels.is_some();
+                if limit.get().is_some_and(|limit| !made.is_better(*limit)) {
+                    made.panels = None;
+                }
             }
         }
         made.stages = clock.stages;
@@ -206,7 +214,6 @@ impl MadeOther {
 }
 
 impl Field {
-    /// Whether cones are left that could cancel.
     fn has_opposites(&self, ground: &Ground, reach: f64) -> bool {
         let topology = ground.smooth.levels[self.level].topology();
         has_opposites(topology, &self.directions, reach)

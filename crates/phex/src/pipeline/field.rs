@@ -98,6 +98,12 @@ impl Directed {
         Merit::cost_of_layout(0.0, uneven.sum::<f64>() / all, 0.0)
     }
 
+    /// Whether cones are left, at most so many panels apart, that could cancel.
+    pub(super) fn has_opposites(&self, smooth: &SmoothTarget, reach: f64) -> bool {
+        let topology = smooth.levels[self.level].topology();
+        cones::has_opposites(topology, &self.directions, reach)
+    }
+
     /// The field with the seeds of its lattice.
     pub(super) fn placed(
         mut self,
