@@ -362,8 +362,8 @@ pub(crate) fn tell_loose(
 /// Rounds in which vertices are let go of curves and planes at the most.
 const LETTING_GO: usize = 4;
 
-/// Vertices that are let go are `off` the user's curves and planes alone, or `loose` of the boundary
-/// as well; `only_project`: a mesh that is nearly planar is not optimised otherwise.
+/// Vertices that are let go are `off` the user's curves and planes alone, or `loose` of the
+/// boundary as well; `only_project`: a mesh that is nearly planar is not optimised otherwise.
 fn from_mesh(
     mesh: &HexMesh,
     target: Option<&dyn Target>,

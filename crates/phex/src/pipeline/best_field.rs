@@ -144,8 +144,8 @@ impl FieldPanels {
 }
 
 impl Other {
-    /// One in which far cones cancel; one with sizes that need no dislocations, where none are asked
-    /// for; and one in which all cones cancel. Rows run across small holes in each.
+    /// One in which far cones cancel; one with sizes that need no dislocations, where none are
+    /// asked for; and one in which all cones cancel. Rows run across small holes in each.
     fn all(options: &MeshOptions) -> [Self; 3] {
         let far = Self::cancelling(options, FAR_REACH);
         let all = Self::cancelling(options, f64::INFINITY);
