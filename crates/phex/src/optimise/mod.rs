@@ -392,10 +392,11 @@ fn from_mesh(
     }
     stage.holds.release(loose);
     let x = wishes::put_in_place(&stage.holds, &stage.panels, mesh)?;
-    if let Some((_, curves, _)) = rim.filter(|(.., rests)| *rests && only_project) {
-        if let Some(run) = on_boundary::nearby(&stage, mesh, &x, curves, options, progress)? {
-            return Ok(finished(mesh, run));
-        }
+    let resting = rim.filter(|(.., rests)| *rests && only_project);
+    if let Some((_, curves, _)) = resting
+        && let Some(run) = on_boundary::nearby(&stage, mesh, &x, curves, options, progress)?
+    {
+        return Ok(finished(mesh, run));
     }
     let mut solvers = Solvers::new(&stage.panels)?;
     let run = match only_project {
