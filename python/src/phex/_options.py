@@ -76,7 +76,7 @@ MESH: Dict[str, Option] = {
     "fix": Option("rows", table="steering"),
     "curve": Option("lines", table="steering"),
     "ground": Option("plane", table="steering", alone="lowest"),
-    "ground_reach": Option("number", "0.5, at most the largest deviation", table="steering"),
+    "ground_reach": Option("number", "0.5, or less: no farther than the largest deviation", table="steering"),
     "anchors": Option("rows", table="steering"),
     "fairness": Option("positive", table="steering"),
     "closeness": Option("positive", table="steering"),

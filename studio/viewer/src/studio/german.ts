@@ -290,7 +290,7 @@ export const GERMAN: Record<string, string> = {
   Tetrahedra: "Tetraeder",
   "Reach of it": "Reichweite",
   "How far from the ground corners of the boundary may lie to be put in it, mean edges.": "Wie weit Ecken des Randes vom Boden entfernt sein dürfen, um in ihn gelegt zu werden, in mittleren Kanten.",
-  "0.5, at most the largest deviation": "0.5, höchstens die größte Abweichung",
+  "0.5, or less: no farther than the largest deviation": "0.5 oder weniger: nicht weiter als die größte Abweichung",
   Dials: "Regler",
   Evenness: "Gleichmaß",
   "More than 1: more even panels; less: freer ones.": "Über 1: gleichmäßigere Platten; darunter: freiere.",

@@ -304,7 +304,7 @@ export const GROUPS: Group[] = [
         path: "steering.ground-reach",
         label: "Reach of it",
         sentence: "How far from the ground corners of the boundary may lie to be put in it, mean edges.",
-        fallback: "0.5, at most the largest deviation",
+        fallback: "0.5, or less: no farther than the largest deviation",
       },
       {
         path: "guides.crease",
