@@ -42,9 +42,7 @@ use super::space::ParallelSpace;
 use crate::curvature::{CurvatureOptions, curvature, tangent_frame};
 use nalgebra::Matrix3;
 use phex_mesh::polygon::is_simple;
-use phex_mesh::{
-    BoundaryCurve, EdgeId, FaceId, FlatFace, HexMesh, PerEdge, TriangleSurface, Vec3, VertexId,
-};
+use phex_mesh::{EdgeId, FaceId, FlatFace, HexMesh, PerEdge, TriangleSurface, Vec3, VertexId};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use thiserror::Error;
@@ -184,11 +182,11 @@ fn ruled_lengths(
     let topology = image.topology();
     let size = (surface.area() / topology.n_faces() as f64).sqrt();
     let curved = curvature(surface, size, &CurvatureOptions::default());
-    let (places, normals) = (seen_all_round(surface, size), edge_normals(space));
+    let normals = edge_normals(space);
     let side = side_of(space, surface);
     let length = |edge: EdgeId| {
         let (along, normal) = (space.direction(edge), normals[edge] * side.image);
-        let vertex = closest_normal(surface, &places, &(normal * side.surface));
+        let vertex = closest_normal(surface, &(normal * side.surface));
         let second = curved.tensor[vertex] * side.surface;
         let ratio = length_ratio(&second, &normal, &along);
         let length = image.edge_length(edge) * ratio;
@@ -203,21 +201,6 @@ fn ruled_lengths(
     };
     let lengths = topology.edges().map(length).collect::<Result<_, _>>()?;
     Ok(PerEdge::from_vec(lengths))
-}
-
-/// Vertices whose curvature is estimated from all sides: a panel's length from the boundary, or any
-/// where there are none so far inside.
-pub(super) fn seen_all_round(surface: &TriangleSurface, size: f64) -> Vec<VertexId> {
-    let vertices = || surface.topology().vertices();
-    let Some(boundary) = BoundaryCurve::of(surface) else {
-        return vertices().collect();
-    };
-    let is_inside = |v: &VertexId| !boundary.is_within(surface.positions()[*v], size);
-    let inside: Vec<VertexId> = vertices().filter(is_inside).collect();
-    match inside.is_empty() {
-        true => vertices().collect(),
-        false => inside,
-    }
 }
 
 /// The sign rule: length of an edge in a direction over that of its image, for a second fundamental
@@ -252,14 +235,10 @@ fn edge_normals(space: &ParallelSpace) -> PerEdge<Vec3> {
     })
 }
 
-/// The vertex of the surface, of those given, whose normal is closest to a direction.
-pub(super) fn closest_normal(
-    surface: &TriangleSurface,
-    places: &[VertexId],
-    direction: &Vec3,
-) -> VertexId {
+/// The vertex of the surface whose normal is closest to a direction.
+pub(super) fn closest_normal(surface: &TriangleSurface, direction: &Vec3) -> VertexId {
     let closeness = |w: &VertexId| surface.normals()[*w].dot(direction);
-    let vertices = places.iter().copied();
+    let vertices = surface.topology().vertices();
     let closest = vertices.max_by(|a, b| closeness(a).total_cmp(&closeness(b)).then(b.cmp(a)));
     closest.unwrap_or_else(|| VertexId::new(0))
 }
