@@ -263,7 +263,8 @@ fn feet_by_positions(mesh: &HexMesh, surface: &TriangleSurface) -> SurfaceFeet {
 }
 
 fn feet_by_normals(mesh: &HexMesh, surface: &TriangleSurface) -> SurfaceFeet {
-    let foot = |v| closest_normal(surface, &mesh.mean_normal(v));
+    let all: Vec<VertexId> = surface.topology().vertices().collect();
+    let foot = |v| closest_normal(surface, &all, &mesh.mean_normal(v));
     let feet: Vec<VertexId> = mesh.topology().vertices().map(foot).collect();
     SurfaceFeet {
         position: feet.iter().map(|&w| surface.positions()[w]).collect(),

@@ -42,7 +42,9 @@ use super::space::ParallelSpace;
 use crate::curvature::{CurvatureOptions, curvature, tangent_frame};
 use nalgebra::Matrix3;
 use phex_mesh::polygon::is_simple;
-use phex_mesh::{EdgeId, FaceId, FlatFace, HexMesh, PerEdge, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{
+    BoundaryCurve, EdgeId, FaceId, FlatFace, HexMesh, PerEdge, TriangleSurface, Vec3, VertexId,
+};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use thiserror::Error;
@@ -118,22 +120,36 @@ pub(super) struct SignedLengths {
 }
 
 impl SignedLengths {
-    /// `None` where no edge is reversed: panels are convex then.
+    /// `None` where no edge is reversed: panels are convex then. Where curvatures at the rim give no
+    /// answer, which are estimated from one side, those a panel's length inside are taken.
     pub fn new(
         space: &ParallelSpace,
         surface: &TriangleSurface,
         signs: &EdgeSigns,
     ) -> Result<Option<Self>, SignError> {
-        let wished = match signs {
-            EdgeSigns::Positive => return Ok(None),
-            EdgeSigns::SignRule => ruled_lengths(space, surface)?,
-            EdgeSigns::Reversed(edges) => reversed(&ruled_lengths(space, surface)?, edges)?,
+        if *signs == EdgeSigns::Positive {
+            return Ok(None);
+        }
+        let with = |places: &[VertexId]| {
+            let ruled = ruled_lengths(space, surface, places)?;
+            let wished = match signs {
+                EdgeSigns::Reversed(edges) => reversed(&ruled, edges)?,
+                _ => ruled,
+            };
+            let topology = space.mesh().topology();
+            let waists = topology.faces().map(|f| waists_of(space, f, &wished));
+            let waists = waists.collect::<Result<Vec<_>, _>>()?.concat();
+            Ok(Some(Self { wished, waists }))
         };
-        let topology = space.mesh().topology();
-        let waists = topology.faces().map(|f| waists_of(space, f, &wished));
-        let waists = waists.collect::<Result<Vec<_>, _>>()?.concat();
-        Ok(Some(Self { wished, waists }))
+        let all: Vec<VertexId> = surface.topology().vertices().collect();
+        let inside = || with(&seen_all_round(surface, panel_length(space, surface)));
+        with(&all).or_else(|error| inside().map_err(|_| error))
     }
+}
+
+/// Length of panels that would cover the surface.
+fn panel_length(space: &ParallelSpace, surface: &TriangleSurface) -> f64 {
+    (surface.area() / space.mesh().topology().n_faces() as f64).sqrt()
 }
 
 fn reversed(lengths: &PerEdge<f64>, edges: &[EdgeId]) -> Result<PerEdge<f64>, SignError> {
@@ -173,20 +189,21 @@ fn side_of(space: &ParallelSpace, surface: &TriangleSurface) -> SideSigns {
     }
 }
 
-/// The lengths by the sign rule.
+/// The lengths by the sign rule, with curvatures at some vertices of the surface.
 fn ruled_lengths(
     space: &ParallelSpace,
     surface: &TriangleSurface,
+    places: &[VertexId],
 ) -> Result<PerEdge<f64>, SignError> {
     let image = space.mesh();
     let topology = image.topology();
-    let size = (surface.area() / topology.n_faces() as f64).sqrt();
+    let size = panel_length(space, surface);
     let curved = curvature(surface, size, &CurvatureOptions::default());
     let normals = edge_normals(space);
     let side = side_of(space, surface);
     let length = |edge: EdgeId| {
         let (along, normal) = (space.direction(edge), normals[edge] * side.image);
-        let vertex = closest_normal(surface, &(normal * side.surface));
+        let vertex = closest_normal(surface, places, &(normal * side.surface));
         let second = curved.tensor[vertex] * side.surface;
         let ratio = length_ratio(&second, &normal, &along);
         let length = image.edge_length(edge) * ratio;
@@ -201,6 +218,21 @@ fn ruled_lengths(
     };
     let lengths = topology.edges().map(length).collect::<Result<_, _>>()?;
     Ok(PerEdge::from_vec(lengths))
+}
+
+/// Vertices whose curvature is estimated from all sides: a panel's length from the boundary, or any
+/// where there are none so far inside.
+pub(super) fn seen_all_round(surface: &TriangleSurface, size: f64) -> Vec<VertexId> {
+    let vertices = || surface.topology().vertices();
+    let Some(boundary) = BoundaryCurve::of(surface) else {
+        return vertices().collect();
+    };
+    let is_inside = |v: &VertexId| !boundary.is_within(surface.positions()[*v], size);
+    let inside: Vec<VertexId> = vertices().filter(is_inside).collect();
+    match inside.is_empty() {
+        true => vertices().collect(),
+        false => inside,
+    }
 }
 
 /// The sign rule: length of an edge in a direction over that of its image, for a second fundamental
@@ -235,10 +267,14 @@ fn edge_normals(space: &ParallelSpace) -> PerEdge<Vec3> {
     })
 }
 
-/// The vertex of the surface whose normal is closest to a direction.
-pub(super) fn closest_normal(surface: &TriangleSurface, direction: &Vec3) -> VertexId {
+/// The vertex of the surface, of those given, whose normal is closest to a direction.
+pub(super) fn closest_normal(
+    surface: &TriangleSurface,
+    places: &[VertexId],
+    direction: &Vec3,
+) -> VertexId {
     let closeness = |w: &VertexId| surface.normals()[*w].dot(direction);
-    let vertices = surface.topology().vertices();
+    let vertices = places.iter().copied();
     let closest = vertices.max_by(|a, b| closeness(a).total_cmp(&closeness(b)).then(b.cmp(a)));
     closest.unwrap_or_else(|| VertexId::new(0))
 }

@@ -1,7 +1,7 @@
 //! Meshes whose edges run against those of their Gauss image.
 
 use crate::koebe::{KoebeOptions, koebe};
-use crate::offset::signs::{length_ratio, waists_of};
+use crate::offset::signs::{length_ratio, seen_all_round, waists_of};
 use crate::offset::*;
 use crate::progress::Silent;
 use crate::test_meshes::hexagon_patch;
@@ -366,4 +366,32 @@ fn lengths_tell_which_edges_run_against_their_image() {
     assert_eq!(reversed, family(3));
     let flat = FlatFace::all(&mesh);
     assert!(flat.iter().all(|f| is_simple(&f.polygon)));
+}
+
+/// At the rim of a sphere of uneven triangles estimates of curvature had the wrong sign, and a part
+/// of a sphere was refused as one whose curvature changes its sign.
+#[test]
+fn curvature_is_taken_a_panel_inside_where_there_is_an_inside() {
+    let triangulation = TriangulationOptions {
+        triangles: 1000,
+        ..Default::default()
+    };
+    let shape = |name| triangulate(&Shape::from_name(name, &[]).unwrap(), &triangulation).unwrap();
+    let dome = shape("elliptic-paraboloid");
+    let boundary = phex_mesh::BoundaryCurve::of(&dome).unwrap();
+    let size = 0.2 * dome.area().sqrt();
+    let inside = seen_all_round(&dome, size);
+    let far = |v| !boundary.is_within(dome.positions()[v], size);
+    assert!(!inside.is_empty() && inside.iter().all(|v| far(*v)));
+    assert_eq!(
+        inside.len(),
+        dome.topology().vertices().filter(|v| far(*v)).count()
+    );
+    let all = dome.topology().n_vertices();
+    assert_eq!(seen_all_round(&dome, 9.0 * dome.diagonal()).len(), all);
+    let ball = shape("sphere");
+    assert_eq!(
+        seen_all_round(&ball, size).len(),
+        ball.topology().n_vertices()
+    );
 }
