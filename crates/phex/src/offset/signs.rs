@@ -120,8 +120,8 @@ pub(super) struct SignedLengths {
 }
 
 impl SignedLengths {
-    /// `None` where no edge is reversed: panels are convex then. Where curvatures at the rim give no
-    /// answer, which are estimated from one side, those a panel's length inside are taken.
+    /// `None` where no edge is reversed: panels are convex then. Where curvatures at the rim,
+    /// which are estimated from one side, give no answer those a panel's length inside are taken.
     pub fn new(
         space: &ParallelSpace,
         surface: &TriangleSurface,
