@@ -743,7 +743,7 @@ fn advise_more_time(checks: &mut [Check]) {
 }
 
 /// Share of edges as short as a method allows from which on more panels come no nearer.
-const BOUND: f64 = 0.2;
+const BOUND: f64 = 0.1;
 
 /// Replaces the advice of distances that do not fall with the number of panels: those of a parallel
 /// mesh of which many edges, `bound` of them, are as short as is allowed.

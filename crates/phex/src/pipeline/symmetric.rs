@@ -164,7 +164,7 @@ fn followed(summary: &SymmetrySummary, groups: &[Group]) -> String {
     match larger {
         0 => summary.sentence(),
         _ => format!(
-            "{}; with {} they are outside limits",
+            "{}; with {} they are outside limits, or many are irregular",
             summary.sentence(),
             names_of(&groups[..larger])
         ),
@@ -211,8 +211,9 @@ pub(super) fn unused(ground: &Ground) -> Option<String> {
 /// A symmetric mesh and what the judge says of it.
 type SymmetricAttempt = Result<(Merit, MeshRun), NotSymmetric>;
 
-/// The best mesh that groups lead to, one after the other until panels are within limits; `made`
-/// makes one for a group and a number of panels over the one that is asked for.
+/// The best mesh that groups lead to, one after the other while panels are outside limits or a
+/// smaller group could be worth it; `made` makes one for a group and a number of panels over the
+/// one that is asked for.
 fn best_of(
     groups: &[Group],
     panels: usize,
@@ -220,21 +221,36 @@ fn best_of(
     progress: &dyn Progress,
 ) -> SymmetricAttempt {
     let mut best = best_count(groups[0], panels, &mut made, progress);
+    let mut of = groups[0];
     for group in &groups[1..] {
-        let is_over = matches!(best, Err(NotSymmetric::Pipeline(_))) || progress.is_cancelled();
-        if is_over || matches!(&best, Ok((merit, _)) if merit.is_within()) {
+        let fewer = f64::from(of.order()) / f64::from(group.order());
+        let is_over = match &best {
+            Err(error) => matches!(error, NotSymmetric::Pipeline(_)),
+            Ok((merit, run)) => merit.is_within() && !could_be_worth(run, fewer),
+        };
+        if progress.is_cancelled() || is_over {
             break;
         }
         let next = best_count(*group, panels, &mut made, progress);
         let is_better = match (&best, &next) {
-            (Ok((first, _)), Ok((second, _))) => second.is_better(first),
+            (Ok((first, _)), Ok((second, _))) => {
+                second.counting_fewer_images(fewer).is_better(first)
+            }
             _ => next.is_ok(),
         };
         if is_better {
-            best = next;
+            (best, of) = (next, *group);
         }
     }
     best
+}
+
+/// Whether regular panels, with fewer images each, could be better than those of a run.
+fn could_be_worth(run: &MeshRun, fewer: f64) -> bool {
+    let topology = run.mesh.topology();
+    let share = phex_mesh::irregular_faces(topology) as f64 / topology.n_faces() as f64;
+    let regular = Merit::default().counting_fewer_images(fewer);
+    regular.cost < Merit::cost_of_layout(share, 0.0, 0.0)
 }
 
 /// The best mesh of a group, of numbers of panels near to the one that is asked for.

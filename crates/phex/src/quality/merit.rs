@@ -40,6 +40,10 @@ const UNEVEN: f64 = 4.0;
 const STRETCHED: f64 = 1.5;
 /// Cost of a distance to the surface that is just allowed.
 const OFF: f64 = 0.5;
+/// Cost of a symmetry in which each panel has fewer images by a factor of e: twice as many weigh as
+/// much as one irregular panel in thirty.
+const IMAGES: f64 = 0.5;
+
 impl Merit {
     /// The merit of faces of a mesh that has so many `panels`.
     pub(super) fn of<'a>(faces: impl Iterator<Item = &'a Findings>, panels: usize) -> Self {
@@ -70,6 +74,15 @@ impl Merit {
     pub(crate) fn counting_uneven(self, uneven: f64) -> Self {
         Self {
             cost: self.cost + UNEVEN * uneven,
+            ..self
+        }
+    }
+
+    /// The same for a symmetry in which each panel has `fewer` images, as a factor, than in the one
+    /// it is compared with.
+    pub(crate) fn counting_fewer_images(self, fewer: f64) -> Self {
+        Self {
+            cost: self.cost + IMAGES * fewer.ln(),
             ..self
         }
     }

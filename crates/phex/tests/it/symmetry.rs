@@ -6,7 +6,7 @@ use phex::{
     Boundary, Effort, Event, MeshOptions, MeshRun, PanelSize, Progress, Silent, mesh_surface,
 };
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
-use phex_mesh::{FaceId, TriangleSurface, Vec3, VertexId, measure};
+use phex_mesh::{FaceId, TriangleSurface, Vec3, VertexId, irregular_faces, measure};
 use std::collections::BTreeSet;
 use std::sync::Mutex;
 
@@ -277,6 +277,31 @@ fn images_are_planar_where_heights_were_raised() {
             assert!(planarity <= 1e-12, "{leaning} {symmetry:?}: {planarity}");
         }
     }
+}
+
+/// A dome whose height goes up and down thirteen times round its rim.
+fn rippled() -> TriangleSurface {
+    let disc = surface("elliptic-paraboloid", &[("a", 1.0), ("b", 1.0)], 0.0);
+    let radius = |p: &Vec3| p.xy().norm();
+    let rim = disc.positions().iter().map(radius).fold(0.0, f64::max);
+    mapped(&disc, |p| {
+        let r = radius(&p) / rim;
+        let ripple = 0.024 * r.powi(3) * (13.0 * p.y.atan2(p.x)).cos();
+        Vec3::new(p.x / rim, p.y / rim, 0.3 * (1.0 - r * r) + ripple)
+    })
+}
+
+#[test]
+fn fewer_images_of_each_panel_are_taken_where_many_are_irregular() {
+    let irregular = |symmetry| {
+        let run = meshed(&rippled(), 450, symmetry).unwrap();
+        let topology = run.mesh.topology();
+        let share = irregular_faces(topology) as f64 / topology.n_faces() as f64;
+        (run.statistics.symmetry.unwrap().group, share)
+    };
+    let [all, best] = [Symmetry::Turns(13), Symmetry::Auto].map(irregular);
+    assert_eq!((all.0.as_str(), best.0.as_str()), ("C13v", "Cs"));
+    assert!(best.1 < 0.5 * all.1, "{all:?} {best:?}");
 }
 
 #[test]
