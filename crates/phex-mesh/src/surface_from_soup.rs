@@ -81,6 +81,8 @@ pub struct SurfaceNotes {
     pub turned_faces: usize,
     /// Faces with more than three corners, cut into triangles.
     pub cut_polygons: usize,
+    /// Faces with their corners in the places of another one's that were left out.
+    pub repeated_faces: usize,
     /// Faces without area that were left out.
     pub dropped_faces: usize,
     /// Edges of boundaries that lay on one another and were joined.
@@ -135,6 +137,14 @@ impl SurfaceNotes {
                 self.cut_polygons,
                 ["polygon was", "polygons were"],
                 "cut into triangles",
+            ),
+            (
+                self.repeated_faces,
+                [
+                    "face is there twice and was",
+                    "faces are there twice and were",
+                ],
+                "left out",
             ),
             (
                 self.dropped_faces,
@@ -212,8 +222,8 @@ impl TriangleSurface {
     }
 
     /// Builds the connected surfaces of faces of any valence: drops unused vertices, makes the
-    /// orientation consistent, cuts polygons into triangles, takes out faces without area and sews
-    /// boundaries together that lie on one another (module `mend`). Mending that leads to no
+    /// orientation consistent, cuts polygons into triangles, takes out faces that are there twice and
+    /// faces without area, and sews boundaries together that lie on one another (module `mend`). Mending that leads to no
     /// surface is not done. Whether more than one component is welcome is for the caller to say.
     ///
     /// # Errors
@@ -225,16 +235,24 @@ impl TriangleSurface {
         check_size(soup)?;
         check_vertices(soup)?;
         let (largest, unused_vertices) = check_positions(soup)?;
-        let clean = mend::without_degenerate_faces(soup, rounding(largest));
-        let sewn = mend::sewn(clean.as_ref().map_or(soup, |clean| &clean.soup));
-        let sewn = sewn.map(|sewn| match &clean {
-            Some(clean) => sewn.after(clean),
-            None => sewn,
-        });
-        let mended = [sewn, clean].into_iter().flatten();
-        for mended in mended {
+        let mut steps: Vec<mend::Mended> = Vec::new();
+        let finders: [&dyn Fn(&PolygonSoup) -> Option<mend::Mended>; 3] = [
+            &mend::without_repeated_faces,
+            &|soup| mend::without_degenerate_faces(soup, rounding(largest)),
+            &mend::sewn,
+        ];
+        for find in finders {
+            let before = steps.last();
+            let found = find(before.map_or(soup, |before| &before.soup));
+            steps.extend(found.map(|next| match before {
+                Some(before) => next.after(before),
+                None => next,
+            }));
+        }
+        for mended in steps.into_iter().rev() {
             if let Ok(mut parts) = Self::from_sound_soup(&mended.soup) {
                 parts.notes.unused_vertices = unused_vertices;
+                parts.notes.repeated_faces = mended.repeated_faces;
                 parts.notes.dropped_faces = mended.dropped_faces;
                 parts.notes.sewn_edges = mended.sewn_edges;
                 parts.notes.widest_gap = mended.widest_gap;

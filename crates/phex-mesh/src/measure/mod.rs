@@ -54,6 +54,8 @@ pub const WANTED_LENGTH: f64 = 2.2;
 pub const WANTED_RIM_AREA: f64 = 2.0;
 /// Length over width that a panel at the boundary should have at the most.
 pub const WANTED_RIM_ASPECT: f64 = 3.0;
+/// Distance between the boundaries of panels and surface, mean edges, that should not be exceeded.
+pub const WANTED_RIM_DISTANCE: f64 = 0.15;
 
 /// Clearance, in mean edges, that a panel should have, by its area over the mean: below it is
 /// tight, which is allowed and not liked.

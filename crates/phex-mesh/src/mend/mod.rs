@@ -1,15 +1,17 @@
-//! What faces of other programs need before they are a surface: faces without area are taken out,
-//! and parts that lie side by side are sewn together.
+//! What faces of other programs need before they are a surface: faces that are there twice and faces
+//! without area are taken out, and parts that lie side by side are sewn together.
 //!
 //! Coordinates never change. A face gets a vertex more, another vertex at the same place, or goes.
 
 mod degenerate;
+mod repeats;
 mod seams;
 
 use crate::disjoint_sets::DisjointSets;
 use crate::{PolygonSoup, polygon};
 
 pub(crate) use degenerate::{least_height, without_degenerate_faces};
+pub(crate) use repeats::without_repeated_faces;
 pub(crate) use seams::sewn;
 
 /// Faces that were mended.
@@ -19,6 +21,8 @@ pub(crate) struct Mended {
     pub(crate) soup: PolygonSoup,
     /// Number in the input of each face.
     pub(crate) original_faces: Vec<u32>,
+    /// Faces that were there twice, and taken out.
+    pub(crate) repeated_faces: usize,
     /// Faces without area that were taken out.
     pub(crate) dropped_faces: usize,
     /// Edges of boundaries that were joined to others.
@@ -32,6 +36,7 @@ impl Mended {
         Self {
             soup: soup.clone(),
             original_faces: (0..soup.faces.len() as u32).collect(),
+            repeated_faces: 0,
             dropped_faces: 0,
             sewn_edges: 0,
             widest_gap: 0.0,
@@ -42,6 +47,7 @@ impl Mended {
     pub(crate) fn after(mut self, before: &Self) -> Self {
         let original = |f: &mut u32| *f = before.original_faces[*f as usize];
         self.original_faces.iter_mut().for_each(original);
+        self.repeated_faces += before.repeated_faces;
         self.dropped_faces += before.dropped_faces;
         self
     }

@@ -560,26 +560,38 @@ fn closed_fans_that_touch_in_a_vertex_are_refused() {
 }
 
 #[test]
-fn diagonals_that_clash_are_named_by_the_input() {
-    // Two quads back to back: both are cut along the same diagonal or enclose nothing.
-    let points = [
-        [5.0, 5.0, 5.0],
-        [0.0, 0.0, 0.0],
-        [1.0, 0.0, 0.0],
-        [1.3, 1.3, 0.0],
-        [0.0, 1.0, 0.0],
+fn faces_that_are_there_twice_are_left_out() {
+    let once = ring(6, false);
+    let surface = build(&once).whole().to_soup();
+    let n = once.positions.len() as u32;
+    let copy = |face: &Vec<u32>| face.iter().map(|v| v + n).collect::<Vec<u32>>();
+    // The same faces again; turned round; with vertices of their own, as pasted objects have; two.
+    let mut variants = [
+        once.faces.clone(),
+        once.faces
+            .iter()
+            .map(|f| f.iter().rev().copied().collect())
+            .collect(),
+        once.faces.iter().map(copy).collect(),
+        once.faces[2..4].to_vec(),
     ];
-    let soup = soup(&points, &[&[1, 2, 3, 4], &[4, 3, 2, 1]]);
-    let SurfaceError::Topology(TopologyError::NonManifoldEdge {
-        from,
-        to,
-        faces: found,
-    }) = error(&soup)
-    else {
-        panic!("{}", error(&soup))
-    };
-    assert_eq!(found, faces(&[0, 0, 1, 1]));
-    assert!([(v(2), v(4)), (v(4), v(2)), (v(1), v(3)), (v(3), v(1))].contains(&(from, to)));
+    for (k, again) in variants.iter_mut().enumerate() {
+        again.iter_mut().for_each(|f| f.rotate_left(k));
+        let positions = [&once.positions[..], &once.positions[..]].concat();
+        let twice = PolygonSoup {
+            positions: positions[..if k == 2 { 2 } else { 1 } * n as usize].to_vec(),
+            faces: [&once.faces[..], &again[..]].concat(),
+        };
+        let parts = build(&twice);
+        assert_eq!(parts.whole().to_soup(), surface, "{k}");
+        assert_eq!(parts.notes.repeated_faces, again.len());
+        let told = parts.notes.sentences().join("; ");
+        assert!(
+            told.contains("faces are there twice and were left out"),
+            "{told}"
+        );
+    }
+    assert_eq!(build(&once).notes.repeated_faces, 0);
 }
 
 #[test]

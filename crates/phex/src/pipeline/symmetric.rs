@@ -89,10 +89,15 @@ fn symmetric(
         let panels = (share * panels as f64).round() as usize;
         let domain = DomainPanels::new(whole, found, group, panels, options)?;
         let run = domain.mesh(clock)?;
-        Ok((judge.whole(&run.mesh, run.wished.as_slice()).merit, run))
+        let judgement = judge.whole(&run.mesh, run.wished.as_slice());
+        Ok(SymmetricRun {
+            merit: judgement.merit,
+            avoidable: judgement.irregular_and_uneven(),
+            run,
+        })
     };
     let names = names_of(&groups);
-    let (merit, mut run) = match best_of(&groups, panels, made, progress) {
+    let SymmetricRun { merit, mut run, .. } = match best_of(&groups, panels, made, progress) {
         Err(NotSymmetric::Symmetry(reason)) => {
             return Err(format!("with the symmetry {names}: {reason}").into());
         }
@@ -164,7 +169,7 @@ fn followed(summary: &SymmetrySummary, groups: &[Group]) -> String {
     match larger {
         0 => summary.sentence(),
         _ => format!(
-            "{}; with {} they are outside limits, or many are irregular",
+            "{}; with {} they are outside limits, less regular or even, or not as many as asked for",
             summary.sentence(),
             names_of(&groups[..larger])
         ),
@@ -209,11 +214,49 @@ pub(super) fn unused(ground: &Ground) -> Option<String> {
 }
 
 /// A symmetric mesh and what the judge says of it.
-type SymmetricAttempt = Result<(Merit, MeshRun), NotSymmetric>;
+struct SymmetricRun {
+    merit: Merit,
+    /// What irregular and uneven panels cost: another symmetry may have none.
+    avoidable: f64,
+    run: MeshRun,
+}
 
-/// The best mesh that groups lead to, one after the other while panels are outside limits or a
-/// smaller group could be worth it; `made` makes one for a group and a number of panels over the
-/// one that is asked for.
+impl SymmetricRun {
+    /// By how much the number of panels misses the one that is asked for, as a logarithm.
+    fn miss(&self, panels: usize) -> f64 {
+        (self.run.mesh.topology().n_faces() as f64 / panels as f64).ln()
+    }
+
+    /// What counts before the cost, smaller is better: whether panels are outside limits, and
+    /// whether their number is far off.
+    fn rank(&self, panels: usize) -> [bool; 2] {
+        [!self.merit.is_within(), self.miss(panels).abs() > MISCOUNT]
+    }
+
+    /// Whether panels are within limits, and about as many as they are to be.
+    fn is_usable(&self, panels: usize) -> bool {
+        self.rank(panels) == [false; 2]
+    }
+
+    /// Whether regular and even panels with `fewer` images each, as a factor, could be better.
+    fn could_be_better(&self, fewer: f64) -> bool {
+        Merit::default().counting_fewer_images(fewer).cost < self.avoidable
+    }
+
+    /// Whether it is better than another one, of which each panel has more images by a factor.
+    fn is_better(&self, other: &Self, panels: usize, more: f64) -> bool {
+        match self.rank(panels).cmp(&other.rank(panels)) {
+            Ordering::Equal => (self.merit.counting_fewer_images(more)).is_better(&other.merit),
+            order => order.is_lt(),
+        }
+    }
+}
+
+type SymmetricAttempt = Result<SymmetricRun, NotSymmetric>;
+
+/// The best mesh that groups lead to, one after the other while panels are outside limits, or too
+/// many or too few, or a smaller group could be worth it; `made` makes one for a group and a number
+/// of panels over the one that is asked for.
 fn best_of(
     groups: &[Group],
     panels: usize,
@@ -226,16 +269,14 @@ fn best_of(
         let fewer = f64::from(of.order()) / f64::from(group.order());
         let is_over = match &best {
             Err(error) => matches!(error, NotSymmetric::Pipeline(_)),
-            Ok((merit, run)) => merit.is_within() && !could_be_worth(run, fewer),
+            Ok(best) => best.is_usable(panels) && !best.could_be_better(fewer),
         };
         if progress.is_cancelled() || is_over {
             break;
         }
         let next = best_count(*group, panels, &mut made, progress);
         let is_better = match (&best, &next) {
-            (Ok((first, _)), Ok((second, _))) => {
-                second.counting_fewer_images(fewer).is_better(first)
-            }
+            (Ok(first), Ok(second)) => second.is_better(first, panels, fewer),
             _ => next.is_ok(),
         };
         if is_better {
@@ -245,14 +286,6 @@ fn best_of(
     best
 }
 
-/// Whether regular panels, with fewer images each, could be better than those of a run.
-fn could_be_worth(run: &MeshRun, fewer: f64) -> bool {
-    let topology = run.mesh.topology();
-    let share = phex_mesh::irregular_faces(topology) as f64 / topology.n_faces() as f64;
-    let regular = Merit::default().counting_fewer_images(fewer);
-    regular.cost < Merit::cost_of_layout(share, 0.0, 0.0)
-}
-
 /// The best mesh of a group, of numbers of panels near to the one that is asked for.
 fn best_count(
     group: Group,
@@ -260,18 +293,16 @@ fn best_count(
     mut made: impl FnMut(Group, f64) -> SymmetricAttempt,
     progress: &dyn Progress,
 ) -> SymmetricAttempt {
-    let miss = |run: &MeshRun| (run.mesh.topology().n_faces() as f64 / panels as f64).ln();
-    let is_counted = |run: &MeshRun| miss(run).abs() <= MISCOUNT;
     let enough = (group.order() / 2).clamp(1, ENOUGH) as usize;
     // Panels in the planes count once: how many lie there is not known before.
     let mut excess: Vec<f64> = Vec::new();
     let mut best = made(group, 1.0);
-    excess.extend(best.as_ref().ok().map(|(_, run)| miss(run)));
+    excess.extend(best.as_ref().ok().map(|run| run.miss(panels)));
     for (done, count) in (1..).zip(OTHER_COUNTS) {
         let is_over = matches!(best, Err(NotSymmetric::Pipeline(_))) || progress.is_cancelled();
-        let is_enough = |(merit, run): &(Merit, MeshRun)| {
-            let is_regular = phex_mesh::irregular_faces(run.mesh.topology()) == 0;
-            merit.is_within() && is_counted(run) && (done >= enough || is_regular)
+        let is_enough = |best: &SymmetricRun| {
+            let is_regular = phex_mesh::irregular_faces(best.run.mesh.topology()) == 0;
+            best.is_usable(panels) && (done >= enough || is_regular)
         };
         if is_over || best.as_ref().is_ok_and(is_enough) {
             break;
@@ -279,15 +310,9 @@ fn best_count(
         let mean = excess.iter().sum::<f64>() / excess.len().max(1) as f64;
         let share = count * (-mean).exp();
         let next = made(group, share);
-        excess.extend(next.as_ref().ok().map(|(_, run)| miss(run) - share.ln()));
+        excess.extend((next.as_ref().ok()).map(|run| run.miss(panels) - share.ln()));
         let is_better = match (&best, &next) {
-            (Ok((first, before)), Ok((second, after))) => {
-                let rank = |merit: &Merit, run| (!merit.is_within(), !is_counted(run));
-                match rank(second, after).cmp(&rank(first, before)) {
-                    Ordering::Equal => second.is_better(first),
-                    order => order.is_lt(),
-                }
-            }
+            (Ok(first), Ok(second)) => second.is_better(first, panels, 1.0),
             _ => next.is_ok(),
         };
         if is_better {

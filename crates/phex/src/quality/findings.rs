@@ -36,6 +36,8 @@ pub struct Findings {
     pub large: f64,
     /// What a small panel at the boundary costs.
     pub small: f64,
+    /// What a distance between the boundaries costs that is seen beside panels of that size.
+    pub ragged: f64,
     /// Square of the logarithm of its area over the area that it is to have.
     pub uneven: f64,
     /// Whether it is an inner panel without six corners.
@@ -51,7 +53,12 @@ impl Findings {
     /// How bad it is, to compare faces: what is invalid counts before what is outside, and that
     /// before what is not liked.
     pub(super) fn amount(&self) -> f64 {
-        1e3 * self.invalid + self.outside() + 1e-3 * (self.tight + self.misshapen() + self.small)
+        1e3 * self.invalid + self.outside() + 1e-3 * self.disliked()
+    }
+
+    /// What is against it that is allowed, without irregular and uneven panels.
+    pub(super) fn disliked(&self) -> f64 {
+        self.tight + self.misshapen() + self.small + self.ragged
     }
 
     /// What is against its shape.
@@ -76,11 +83,11 @@ impl Findings {
 
     /// Whether nothing but a little room is lacking, or a better shape.
     pub(super) fn is_slight(&self) -> bool {
-        self.is_within() && self.small == 0.0 && self.tight.max(self.sharp) < MUCH
+        self.is_within() && self.small + self.ragged == 0.0 && self.tight.max(self.sharp) < MUCH
     }
 
     /// Whether something is to be done there.
     pub fn is_defect(&self) -> bool {
-        self.invalid + self.outside() + self.tight + self.misshapen() + self.small > 0.0
+        self.invalid + self.outside() + self.disliked() > 0.0
     }
 }

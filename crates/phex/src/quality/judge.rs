@@ -5,8 +5,8 @@ use super::findings::Findings;
 use super::merit::Merit;
 use super::{Limits, References, USUAL_DEVIATION};
 use phex_mesh::measure::{
-    LEAST_RIM_AREA, WANTED_ANGLE, WANTED_LENGTH, WANTED_RIM_AREA, WANTED_RIM_ASPECT, aspect,
-    boundary_fit, points_on_boundary, wanted_clearance,
+    LEAST_RIM_AREA, WANTED_ANGLE, WANTED_LENGTH, WANTED_RIM_AREA, WANTED_RIM_ASPECT,
+    WANTED_RIM_DISTANCE, aspect, boundary_fit, points_on_boundary, wanted_clearance,
 };
 use phex_mesh::polygon::{interior_angles, sides};
 use phex_mesh::validate::{ValidateOptions, Violation, add_flips, violations};
@@ -17,6 +17,9 @@ use phex_mesh::{
 
 /// Excess over a limit, in limits, above which it does not matter how far it is exceeded.
 const LARGEST_EXCESS: f64 = 10.0;
+
+/// What a distance between the boundaries costs that is twice as large as it should be.
+const RAGGED: f64 = 0.5;
 
 /// What lengths and areas of a part are compared with: those of the whole mesh.
 #[derive(Clone, Copy, Debug)]
@@ -169,6 +172,21 @@ impl Judgement {
         self.of_face.iter().map(|face| face.sharp).sum()
     }
 
+    /// What distances between the boundaries cost.
+    pub fn ragged(&self) -> f64 {
+        self.of_face.iter().map(|face| face.ragged).sum()
+    }
+
+    /// What irregular and uneven faces cost, of all of a mesh.
+    pub(crate) fn irregular_and_uneven(&self) -> f64 {
+        let mean = |of: &dyn Fn(&Findings) -> f64| {
+            let sum: f64 = self.of_face.iter().map(of).sum();
+            sum / self.of_face.len().max(1) as f64
+        };
+        let irregular = mean(&|face| f64::from(u8::from(face.irregular)));
+        Merit::cost_of_layout(irregular, mean(&|face| face.uneven), 0.0)
+    }
+
     /// How bad the faces are that count.
     pub fn amount(&self, counts: &[bool]) -> f64 {
         let faces = self.of_face.as_slice().iter().zip(counts);
@@ -246,7 +264,7 @@ impl<'a> Judge<'a> {
         self.add_distances(mesh, &mut of_face);
         let closest = self.closest_faces(mesh, scope.points);
         self.add_coverage((scope.points, &closest), yardstick, &mut of_face);
-        self.add_boundary(scope, &closest, &mut of_face);
+        self.add_boundary(scope, &closest, yardstick, &mut of_face);
         self.add_panel_limits(mesh, &mut of_face);
         add_shapes(scope, yardstick, &mut of_face);
         let counted = of_face.as_slice().iter().zip(scope.counts);
@@ -411,6 +429,7 @@ impl<'a> Judge<'a> {
         &self,
         scope: &Scope<'_>,
         closest: &[(FaceId, f64)],
+        yardstick: &Yardstick,
         of_face: &mut PerFace<Findings>,
     ) {
         let (Some(curve), Some(limit)) = (&self.curve, self.limits.boundary_rel) else {
@@ -422,6 +441,8 @@ impl<'a> Judge<'a> {
         let mut add = |f: FaceId, distance: f64| {
             let face = &mut of_face[f];
             face.rim = face.rim.max(self.excess(Some(limit), distance));
+            let seen = distance / yardstick.mean_edge / WANTED_RIM_DISTANCE;
+            face.ragged = face.ragged.max(RAGGED * (seen - 1.0));
         };
         for (f, p) in rim.iter().filter(|(f, _)| counts(f)) {
             add(*f, (curve.closest_point(*p).position - p).norm());
@@ -503,6 +524,7 @@ mod tests {
     use super::*;
     use crate::optimise::tests::fixtures::{Shape, brick_wall};
     use crate::quality::{Assessment, defects};
+    use crate::trim::Boundary;
 
     /// A wall of flat bricks, and the rectangle around it.
     fn wall() -> (TriangleSurface, HexMesh) {
@@ -653,6 +675,34 @@ mod tests {
             yardstick.inner[1] = f64::MAX;
             yardstick.add_shape(flat, &yardstick.wanted_size(at_rim, mean), &mut face);
             assert!((face.large - expected).abs() < 1e-9 && beyond > 0.3);
+        }
+    }
+
+    #[test]
+    fn a_ragged_boundary_costs_by_the_size_of_panels_within_its_limit() {
+        let (surface, wall) = wall();
+        let limits = Limits::new(Some(5e-3), Some(Boundary::Snap));
+        let judge = Judge::new(&surface, References::default(), limits);
+        let edge = wall.mean_edge();
+        let rim = |v: &VertexId| wall.topology().is_boundary_vertex(*v);
+        let low = |v: &VertexId| wall.position(*v).y;
+        let rim: Vec<VertexId> = wall.topology().vertices().filter(rim).collect();
+        let v = rim.into_iter().min_by(|a, b| low(a).total_cmp(&low(b)));
+        // The farther the lowest corner lies below the surface the more its panels cost.
+        let with = |below: f64| {
+            let mut positions = wall.positions.clone();
+            positions[v.unwrap()].y -= below * edge;
+            let any = vec![0.0; wall.topology().n_faces()];
+            let moved = wall.with_positions(positions);
+            let judged = judge.whole(&moved, &any);
+            let at = wall.topology().faces_at(v.unwrap());
+            let ragged = at.map(|f| judged.of_face[f].ragged).fold(0.0, f64::max);
+            let off = below * edge / moved.mean_edge();
+            (ragged, RAGGED * (off / WANTED_RIM_DISTANCE - 1.0))
+        };
+        for below in [3.0, 4.0] {
+            let (found, expected) = with(below);
+            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
         }
     }
 

@@ -10,7 +10,7 @@ use std::cmp::Ordering;
 /// |---|---|
 /// | `invalid` | violations that make a mesh no planar panelling; what is not planar counts by how much |
 /// | `outside` | excesses over limits, in limits, summed over faces |
-/// | `cost` | what is allowed and not liked: irregular, small, tight, uneven panels, sharp corners, long edges, and the distance to the surface |
+/// | `cost` | what is allowed and not liked: irregular, small, tight, uneven panels, sharp corners, long edges, and the distances to the surface and its boundary |
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Merit {
     /// Violations.
@@ -47,17 +47,16 @@ const IMAGES: f64 = 0.5;
 impl Merit {
     /// The merit of faces of a mesh that has so many `panels`.
     pub(super) fn of<'a>(faces: impl Iterator<Item = &'a Findings>, panels: usize) -> Self {
-        let (mut merit, mut irregular, mut off) = (Self::default(), 0, 0.0_f64);
+        let (mut merit, mut irregular) = (Self::default(), 0);
         let share = 1.0 / panels.max(1) as f64;
         for face in faces {
             merit.invalid += face.invalid;
             merit.outside += face.outside();
-            merit.cost += face.tight + face.misshapen() + face.small + UNEVEN * share * face.uneven;
+            merit.cost += face.disliked() + UNEVEN * share * face.uneven;
             irregular += usize::from(face.irregular);
-            off = off.max(face.off);
+            merit.off = merit.off.max(face.off);
         }
-        merit.off = off;
-        merit.cost += IRREGULAR * share * irregular as f64 + OFF * off;
+        merit.cost += IRREGULAR * share * irregular as f64 + OFF * merit.off;
         merit
     }
 
@@ -181,7 +180,7 @@ mod tests {
             invalid,
             outside,
             cost,
-            off: 0.0,
+            ..Merit::default()
         }
     }
 
