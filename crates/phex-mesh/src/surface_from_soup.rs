@@ -222,9 +222,10 @@ impl TriangleSurface {
     }
 
     /// Builds the connected surfaces of faces of any valence: drops unused vertices, makes the
-    /// orientation consistent, cuts polygons into triangles, takes out faces that are there twice and
-    /// faces without area, and sews boundaries together that lie on one another (module `mend`). Mending that leads to no
-    /// surface is not done. Whether more than one component is welcome is for the caller to say.
+    /// orientation consistent, cuts polygons into triangles, takes out faces that are there twice
+    /// and faces without area, and sews boundaries together that lie on one another (module
+    /// `mend`). Mending that leads to no surface is not done. Whether more than one component is
+    /// welcome is for the caller to say.
     ///
     /// # Errors
     /// A [`SurfaceError`] that names the elements: a coordinate that is not finite, a face with

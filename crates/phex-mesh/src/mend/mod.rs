@@ -1,5 +1,5 @@
-//! What faces of other programs need before they are a surface: faces that are there twice and faces
-//! without area are taken out, and parts that lie side by side are sewn together.
+//! What faces of other programs need before they are a surface: faces that are there twice, and
+//! faces without area, are taken out, and parts that lie side by side are sewn together.
 //!
 //! Coordinates never change. A face gets a vertex more, another vertex at the same place, or goes.
 
