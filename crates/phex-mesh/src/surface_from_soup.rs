@@ -186,6 +186,9 @@ impl SurfaceParts {
     }
 }
 
+/// A step of mending; `None` where there is nothing to do.
+type MendingStep<'a> = &'a dyn Fn(&PolygonSoup) -> Option<mend::Mended>;
+
 impl TriangleSurface {
     /// The triangles as plain lists.
     pub fn to_soup(&self) -> PolygonSoup {
@@ -236,21 +239,19 @@ impl TriangleSurface {
         check_size(soup)?;
         check_vertices(soup)?;
         let (largest, unused_vertices) = check_positions(soup)?;
-        let mut steps: Vec<mend::Mended> = Vec::new();
-        let finders: [&dyn Fn(&PolygonSoup) -> Option<mend::Mended>; 3] = [
-            &mend::without_repeated_faces,
-            &|soup| mend::without_degenerate_faces(soup, rounding(largest)),
-            &mend::sewn,
-        ];
-        for find in finders {
-            let before = steps.last();
-            let found = find(before.map_or(soup, |before| &before.soup));
-            steps.extend(found.map(|next| match before {
+        let without_area = |soup: &_| mend::without_degenerate_faces(soup, rounding(largest));
+        let mut mended = Vec::new();
+        let steps: [MendingStep<'_>; 3] =
+            [&mend::without_repeated_faces, &without_area, &mend::sewn];
+        for step in steps {
+            let before: Option<&mend::Mended> = mended.last();
+            let found = step(before.map_or(soup, |before| &before.soup));
+            mended.extend(found.map(|next| match before {
                 Some(before) => next.after(before),
                 None => next,
             }));
         }
-        for mended in steps.into_iter().rev() {
+        for mended in mended.into_iter().rev() {
             if let Ok(mut parts) = Self::from_sound_soup(&mended.soup) {
                 parts.notes.unused_vertices = unused_vertices;
                 parts.notes.repeated_faces = mended.repeated_faces;
