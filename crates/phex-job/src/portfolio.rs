@@ -3,7 +3,8 @@
 use phex::pipeline::{AttemptSummary, Method};
 use phex::quality::Merit;
 
-/// A sentence on each member of a portfolio of which more than one was tried.
+/// A sentence on each member of a portfolio of which more than one was tried, as they were when
+/// they were compared: the search may have cured the one that was kept.
 pub fn members(tried: &[AttemptSummary]) -> Vec<String> {
     let several = tried.iter().filter(|_| tried.len() > 1);
     several
@@ -41,7 +42,7 @@ fn member(summary: &AttemptSummary) -> String {
     let spread = summary.area_spread;
     let spread = spread.map(|s| format!("areas p95/p5 {s:.2}, "));
     format!(
-        "{}: {}, {} of {} panels irregular without need, {}clearance {:.3}, angle {:.1}{}",
+        "{}: before the search {}, {} of {} panels irregular without need, {}clearance {:.3}, angle {:.1}{}",
         way(summary),
         state(&summary.merit),
         summary.irregular,

@@ -172,11 +172,6 @@ impl Judgement {
         self.of_face.iter().map(|face| face.sharp).sum()
     }
 
-    /// What distances between the boundaries cost.
-    pub fn ragged(&self) -> f64 {
-        self.of_face.iter().map(|face| face.ragged).sum()
-    }
-
     /// What irregular and uneven faces cost, of all of a mesh.
     pub(crate) fn irregular_and_uneven(&self) -> f64 {
         let mean = |of: &dyn Fn(&Findings) -> f64| {

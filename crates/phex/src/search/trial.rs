@@ -194,11 +194,9 @@ impl PlaceTrial<'_> {
         next.amount() <= self.goal && next.merit().is_less(&self.before.merit)
     }
 
-    /// No corner and no edge is worth a distance that no panel has, or a boundary that is more
-    /// ragged, and no edge a corner.
+    /// No corner and no edge is worth a distance that no panel has, and no edge a corner.
     fn is_fair(&self, judgement: &Judgement) -> bool {
-        let near = judgement.merit.off <= self.whole.findings.merit.off
-            && judgement.ragged() <= self.before.ragged();
+        let near = judgement.merit.off <= self.whole.findings.merit.off;
         match self.whole.yardstick.shapes {
             Shapes::Any => true,
             Shapes::Corners => near,
