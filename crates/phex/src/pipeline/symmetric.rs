@@ -36,8 +36,10 @@ const OTHER_COUNTS: [f64; 4] = [1.04, 0.96, 1.08, 0.92];
 /// Numbers that are tried at the most where the first is within limits; half as many as there are
 /// images, since a try costs less the more there are.
 const ENOUGH: u32 = 4;
-/// Error of the number of panels, as a logarithm, up to which others alone count.
+/// Error of the number of panels, as a logarithm, up to which others alone count: among numbers
+/// that are tried with one group, and among groups.
 const MISCOUNT: f64 = 0.12;
+const MISCOUNT_OF_GROUPS: f64 = 0.2;
 
 /// A symmetric mesh of a normalised surface; `None` where there is no group to use, or panels
 /// can't follow it, which is said.
@@ -228,14 +230,14 @@ impl SymmetricRun {
     }
 
     /// What counts before the cost, smaller is better: whether panels are outside limits, and
-    /// whether their number is far off.
-    fn rank(&self, panels: usize) -> [bool; 2] {
-        [!self.merit.is_within(), self.miss(panels).abs() > MISCOUNT]
+    /// whether their number is off by more than `most`.
+    fn rank(&self, (panels, most): Wanted) -> [bool; 2] {
+        [!self.merit.is_within(), self.miss(panels).abs() > most]
     }
 
     /// Whether panels are within limits, and about as many as they are to be.
-    fn is_usable(&self, panels: usize) -> bool {
-        self.rank(panels) == [false; 2]
+    fn is_usable(&self, wanted: Wanted) -> bool {
+        self.rank(wanted) == [false; 2]
     }
 
     /// Whether regular and even panels with `fewer` images each, as a factor, could be better.
@@ -244,8 +246,8 @@ impl SymmetricRun {
     }
 
     /// Whether it is better than another one, of which each panel has more images by a factor.
-    fn is_better(&self, other: &Self, panels: usize, more: f64) -> bool {
-        match self.rank(panels).cmp(&other.rank(panels)) {
+    fn is_better(&self, other: &Self, wanted: Wanted, more: f64) -> bool {
+        match self.rank(wanted).cmp(&other.rank(wanted)) {
             Ordering::Equal => (self.merit.counting_fewer_images(more)).is_better(&other.merit),
             order => order.is_lt(),
         }
@@ -253,6 +255,9 @@ impl SymmetricRun {
 }
 
 type SymmetricAttempt = Result<SymmetricRun, NotSymmetric>;
+
+/// The number of panels that is asked for, and by how much one may miss it, as a logarithm.
+type Wanted = (usize, f64);
 
 /// The best mesh that groups lead to, one after the other while panels are outside limits, or too
 /// many or too few, or a smaller group could be worth it; `made` makes one for a group and a number
@@ -265,18 +270,19 @@ fn best_of(
 ) -> SymmetricAttempt {
     let mut best = best_count(groups[0], panels, &mut made, progress);
     let mut of = groups[0];
+    let wanted = (panels, MISCOUNT_OF_GROUPS);
     for group in &groups[1..] {
         let fewer = f64::from(of.order()) / f64::from(group.order());
         let is_over = match &best {
             Err(error) => matches!(error, NotSymmetric::Pipeline(_)),
-            Ok(best) => best.is_usable(panels) && !best.could_be_better(fewer),
+            Ok(best) => best.is_usable(wanted) && !best.could_be_better(fewer),
         };
         if progress.is_cancelled() || is_over {
             break;
         }
         let next = best_count(*group, panels, &mut made, progress);
         let is_better = match (&best, &next) {
-            (Ok(first), Ok(second)) => second.is_better(first, panels, fewer),
+            (Ok(first), Ok(second)) => second.is_better(first, wanted, fewer),
             _ => next.is_ok(),
         };
         if is_better {
@@ -294,6 +300,7 @@ fn best_count(
     progress: &dyn Progress,
 ) -> SymmetricAttempt {
     let enough = (group.order() / 2).clamp(1, ENOUGH) as usize;
+    let wanted = (panels, MISCOUNT);
     // Panels in the planes count once: how many lie there is not known before.
     let mut excess: Vec<f64> = Vec::new();
     let mut best = made(group, 1.0);
@@ -302,7 +309,7 @@ fn best_count(
         let is_over = matches!(best, Err(NotSymmetric::Pipeline(_))) || progress.is_cancelled();
         let is_enough = |best: &SymmetricRun| {
             let is_regular = phex_mesh::irregular_faces(best.run.mesh.topology()) == 0;
-            best.is_usable(panels) && (done >= enough || is_regular)
+            best.is_usable(wanted) && (done >= enough || is_regular)
         };
         if is_over || best.as_ref().is_ok_and(is_enough) {
             break;
@@ -312,7 +319,7 @@ fn best_count(
         let next = made(group, share);
         excess.extend((next.as_ref().ok()).map(|run| run.miss(panels) - share.ln()));
         let is_better = match (&best, &next) {
-            (Ok(first), Ok(second)) => second.is_better(first, panels, 1.0),
+            (Ok(first), Ok(second)) => second.is_better(first, wanted, 1.0),
             _ => next.is_ok(),
         };
         if is_better {
