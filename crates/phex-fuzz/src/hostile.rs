@@ -22,18 +22,13 @@ pub struct HostileSurface {
 }
 
 /// Nothing can be made of these damages.
-const HOPELESS: [&str; 7] = [
-    "one-nan",
-    "one-infinite",
-    "huge-1e200",
-    "tiny-1e-160",
+const HOPELESS: [&str; 4] = ["one-nan", "one-infinite", "huge-1e200", "tiny-1e-160"];
+
+/// What these damages do can be mended: the surface is the one before.
+const MENDABLE: [&str; 7] = [
     "faces-twice",
     "one-face-twice",
     "faces-twice-reversed",
-];
-
-/// What these damages do can be mended: the surface is the one before.
-const MENDABLE: [&str; 4] = [
     "not-welded",
     "nearly-welded",
     "degenerate-triangles",

@@ -95,11 +95,17 @@ fn face_with_a_repeated_vertex() {
     );
 }
 
-/// The same triangle twice encloses nothing.
+/// The same triangles twice, with vertices of their own as a pasted object has, are there once.
 #[test]
-fn triangle_that_is_there_twice() {
-    let twice = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3\n";
-    refused("a.obj", twice, &["faces 0 and 1", "same corners"]);
+fn triangles_that_are_there_twice() {
+    let shop = Workshop::new();
+    let [once, again] = ["f 1 2 3\nf 1 3 4\n", "f 5 6 7\nf 5 7 8\n"];
+    let corners = SQUARE.replace(once, "");
+    shop.write("a.obj", format!("{corners}{corners}{once}{again}"));
+    let run = shop.phex("mesh a.obj -n 20 -o out.obj");
+    run.ends_well("a square that is there twice");
+    let told = "2 faces are there twice and were left out";
+    assert!(run.stderr.contains(told), "{}", run.stderr);
 }
 
 #[test]

@@ -231,12 +231,12 @@ impl SymmetricRun {
 
     /// What counts before the cost, smaller is better: whether panels are outside limits, and
     /// whether their number is off by more than `most`.
-    fn rank(&self, (panels, most): Wanted) -> [bool; 2] {
+    fn rank(&self, (panels, most): WantedCount) -> [bool; 2] {
         [!self.merit.is_within(), self.miss(panels).abs() > most]
     }
 
     /// Whether panels are within limits, and about as many as they are to be.
-    fn is_usable(&self, wanted: Wanted) -> bool {
+    fn is_usable(&self, wanted: WantedCount) -> bool {
         self.rank(wanted) == [false; 2]
     }
 
@@ -246,7 +246,7 @@ impl SymmetricRun {
     }
 
     /// Whether it is better than another one, of which each panel has more images by a factor.
-    fn is_better(&self, other: &Self, wanted: Wanted, more: f64) -> bool {
+    fn is_better(&self, other: &Self, wanted: WantedCount, more: f64) -> bool {
         match self.rank(wanted).cmp(&other.rank(wanted)) {
             Ordering::Equal => (self.merit.counting_fewer_images(more)).is_better(&other.merit),
             order => order.is_lt(),
@@ -257,7 +257,7 @@ impl SymmetricRun {
 type SymmetricAttempt = Result<SymmetricRun, NotSymmetric>;
 
 /// The number of panels that is asked for, and by how much one may miss it, as a logarithm.
-type Wanted = (usize, f64);
+type WantedCount = (usize, f64);
 
 /// The best mesh that groups lead to, one after the other while panels are outside limits, or too
 /// many or too few, or a smaller group could be worth it; `made` makes one for a group and a number
