@@ -351,7 +351,11 @@ fn crossing_shapes() -> Vec<(&'static str, RawMesh)> {
             "folded-flat",
             graph(16, |_, _| 0.0).mapped(|[x, y, _]| [x.abs(), y, 0.0]),
         ),
-        ("squashed-sphere", sphere(3).mapped(|[x, y, _]| [x, y, 0.0])),
+        // Straight down, faces of both sides would lie on one another and be there twice.
+        (
+            "squashed-sphere",
+            sphere(3).mapped(|[x, y, z]| [x + 0.1 * z, y, 0.0]),
+        ),
         (
             "inside-out",
             turned(sphere(3), |_| true).mapped(|[x, y, z]| [x, y, z * (2.0 * z * z - 1.0)]),
