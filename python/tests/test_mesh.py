@@ -227,6 +227,14 @@ def test_a_warm_start_moves_what_it_is_told(ball, sphere):
     assert len(again) == len(ball)
 
 
+def test_faces_that_are_there_twice_are_left_out(roof):
+    once = phex.mesh(roof, panels=60, max_deviation="5%", keep_invalid=True)
+    faces = [*roof.faces, *roof.faces]
+    twice = phex.mesh((roof.vertices, faces), panels=60, max_deviation="5%", keep_invalid=True)
+    assert np.array_equal(once.vertices, twice.vertices)
+    assert any("there twice" in note for note in twice.report["notes"])
+
+
 def test_planarize_sews_panels_that_have_corners_of_their_own(ball):
     corners = np.concatenate([ball.vertices[face] for face in ball.faces])
     ends = np.cumsum([len(face) for face in ball.faces])
