@@ -307,11 +307,19 @@ fn fewer_images_of_each_panel_are_taken_where_many_are_irregular() {
 /// A dome whose height at the rim goes up and down nine times.
 fn scalloped() -> TriangleSurface {
     let disc = surface("elliptic-paraboloid", &[("a", 1.0), ("b", 1.0)], 0.0);
-    let radius = disc.positions().iter().map(|p| p.xy().norm()).fold(0.0, f64::max);
+    let radius = disc
+        .positions()
+        .iter()
+        .map(|p| p.xy().norm())
+        .fold(0.0, f64::max);
     mapped(&disc, |p| {
         let r = p.xy().norm() / radius;
         let scallop = 0.14 * r.powi(3) * (9.0 * p.y.atan2(p.x)).cos();
-        Vec3::new(p.x / radius, p.y / radius, 0.36 * (1.0 - r * r) + 0.14 * scallop)
+        Vec3::new(
+            p.x / radius,
+            p.y / radius,
+            0.36 * (1.0 - r * r) + 0.14 * scallop,
+        )
     })
 }
 
