@@ -304,37 +304,6 @@ fn fewer_images_of_each_panel_are_taken_where_many_are_irregular() {
     assert!(best.1 < 0.5 * all.1, "{all:?} {best:?}");
 }
 
-/// A dome whose height at the rim goes up and down nine times.
-fn scalloped() -> TriangleSurface {
-    let disc = surface("elliptic-paraboloid", &[("a", 1.0), ("b", 1.0)], 0.0);
-    let radius = disc
-        .positions()
-        .iter()
-        .map(|p| p.xy().norm())
-        .fold(0.0, f64::max);
-    mapped(&disc, |p| {
-        let r = p.xy().norm() / radius;
-        let scallop = 0.14 * r.powi(3) * (9.0 * p.y.atan2(p.x)).cos();
-        Vec3::new(
-            p.x / radius,
-            p.y / radius,
-            0.36 * (1.0 - r * r) + 0.14 * scallop,
-        )
-    })
-}
-
-#[test]
-fn fewer_images_of_each_panel_are_taken_where_many_are_irregular() {
-    let irregular = |symmetry| {
-        let run = meshed(&scalloped(), 150, symmetry).unwrap();
-        let share = irregular_faces(run.mesh.topology()) as f64 / run.mesh.n_faces() as f64;
-        (run.statistics.symmetry.unwrap().group, share)
-    };
-    let [all, best] = [Symmetry::Turns(9), Symmetry::Auto].map(irregular);
-    assert_eq!((all.0.as_str(), best.0.as_str()), ("C9v", "Cs"));
-    assert!(all.1 > 0.1 && best.1 < 0.05, "{all:?} {best:?}");
-}
-
 #[test]
 fn the_plane_of_a_flat_surface_is_no_mirror_plane() {
     let plate = mapped(&surface("plane", &[], 0.0), |p| {
