@@ -19,6 +19,16 @@ pub(crate) struct BoundaryFrame {
     pub alignment: Complex<f64>,
 }
 
+/// Turning, radians, from which on a mirror plane has an end.
+const CORNER_TURN: f64 = 0.3;
+
+impl BoundaryFrame {
+    /// Whether a mirror plane in which the boundary lies has an end here.
+    pub fn ends_mirror(&self) -> bool {
+        self.turning.abs() >= CORNER_TURN
+    }
+}
+
 /// Frames of the vertices on the boundary; `None` inside.
 pub(crate) fn frames(
     topology: &Topology,

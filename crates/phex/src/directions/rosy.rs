@@ -155,13 +155,10 @@ fn mirror_frames(
     let mut mirrored = PerVertex::filled(rim.len(), None);
     for (v, count) in multiplicity.enumerate().filter(|(_, count)| **count > 1) {
         let frame = rim[v].take();
-        mirrored[v] = frame.filter(|f| *count == 2 && f.turning.abs() < CORNER_TURN);
+        mirrored[v] = frame.filter(|f| *count == 2 && !f.ends_mirror());
     }
     mirrored
 }
-
-/// Turning, radians, from which on a mirror plane has an end.
-const CORNER_TURN: f64 = 0.3;
 
 /// Sets wishes in mirror planes: a row along the plane, or at right angles to it, whichever is
 /// nearer to `field`.
