@@ -29,7 +29,7 @@ use rayon::prelude::*;
 use std::sync::Mutex;
 
 /// What is told where nothing was searched.
-const HOPELESS: &str = "more than a third of the panels are invalid: they are too large for the surface, and no local change was tried";
+const HOPELESS: &str = "more than a third of the panels are invalid, and no local change was tried: they are too large for the surface, or another number of them is needed";
 
 /// A member of the portfolio after its single pass.
 struct Member {

@@ -184,10 +184,13 @@ impl<'a> WallCells<'a> {
         }
     }
 
-    /// Walls across which a cell may be joined with its image.
+    /// Walls across which a cell may be joined with its image: one at an axis across all of them,
+    /// but for a cell in a right angle, whose panel may have an edge in one of the walls.
     fn choices(&self, f: FaceId) -> impl Iterator<Item = u32> {
         let sides = self.sides(f);
-        (0..=sides).filter(move |choice| choice & sides == *choice)
+        let is_axis = sides.count_ones() > 1 && self.is_at_axis(f, sides);
+        let all = is_axis && !self.is_square(sides);
+        (0..=sides).filter(move |choice| choice & sides == *choice && (!all || *choice == sides))
     }
 
     /// How irregular a cell and those beside it in a wall are as panels; the most where two whole
