@@ -41,8 +41,8 @@ const STRETCHED: f64 = 1.5;
 /// Cost of a distance to the surface that is just allowed.
 const OFF: f64 = 0.5;
 /// Cost of a symmetry in which each panel has fewer images by a factor of e: twice as many weigh as
-/// much as one irregular panel in fifty.
-const IMAGES: f64 = 0.3;
+/// much as one irregular panel in twenty-five.
+const IMAGES: f64 = 0.6;
 
 impl Merit {
     /// The merit of faces of a mesh that has so many `panels`.

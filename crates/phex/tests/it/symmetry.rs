@@ -294,7 +294,7 @@ fn rippled() -> TriangleSurface {
 #[test]
 fn fewer_images_of_each_panel_are_taken_where_many_are_irregular() {
     let irregular = |symmetry| {
-        let run = meshed(&rippled(), 450, symmetry).unwrap();
+        let run = meshed(&rippled(), 200, symmetry).unwrap();
         let topology = run.mesh.topology();
         let share = irregular_faces(topology) as f64 / topology.n_faces() as f64;
         (run.statistics.symmetry.unwrap().group, share)
