@@ -1,10 +1,10 @@
 //! Smooth surface: what everything else looks at.
 //!
 //! The input's facets are a sample of a smooth surface. It is normalised ([`Normalised`]:
-//! bounding-box diagonal 1, box centre at the origin, coordinates on a grid, vertices in the order
-//! of their places, so that no later figure depends on the unit or on numbers), and refined by Loop
-//! subdivision whose control points are corrected until the refined surface passes through the
-//! input's vertices: `C <- C + damping * (V - (M C)|input)`, with `M` the subdivision matrix.
+//! bounding-box diagonal 1, box centre at the origin, coordinates on a grid, so that no later
+//! figure depends on the unit), and refined by Loop subdivision whose control points are corrected
+//! until the refined surface passes through the input's vertices:
+//! `C <- C + damping * (V - (M C)|input)`, with `M` the subdivision matrix.
 //!
 //! | symbol | variable |
 //! |---|---|
